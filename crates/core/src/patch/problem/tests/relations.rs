@@ -28,7 +28,7 @@ fn the_time_of_a_problem_in_pure_numbers_is_a_pure_number() {
     let problem = |unit: &str| {
         format!(
             r#"{{"patchcord": 1, "quantities": {{"x": {{"unit": "1"}}, "x'": {{"unit": "{unit}"}}}},
-                "equations": ["x'' = -x"], "run": {{"for": 9}}}}"#
+                "equations": ["x'' = -x"], "run": {{"for": 9, "step": 0.01}}}}"#
         )
     };
     assert_no_finding(&problem("1"));
