@@ -54,6 +54,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "scaling_audit",
             "listing",
             "graph",
+            "positions",
             "peaks",
             "plan",
             "synthesis",

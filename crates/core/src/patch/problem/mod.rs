@@ -152,7 +152,8 @@ impl Problem {
         Ok(problem)
     }
 
-    /// Whether a text is a problem, possibly with faults: a document of patchcord with quantities and without elements.
+    /// Whether a text is a problem, possibly with faults: a document of patchcord with quantities and without elements, or
+    /// with equations and without a section of a patch such as elements or signals.
     ///
     /// # Examples
     ///

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use super::*;
 use crate::circuit::Circuit;
-use crate::document::{Code, Diagnostic};
+use crate::document::Code;
 use patchcord_expr::Dimension;
 
 /// A mass on a spring that is a table, and an auxiliary frequency f.
