@@ -44,7 +44,7 @@ fn a_fault_of_a_problem_has_exit_code_1_and_a_position() {
 
 #[test]
 fn a_fault_of_the_built_patch_is_at_the_quantity_of_the_problem() {
-    let (_folder, file) = decay("= -x", "= -10 * sign(x)");
+    let (_folder, file) = decay("= -x", "= -20 * sign(x)");
     let text = fs::read_to_string(&file).unwrap().replace("\"mm\"", "\"1\"");
     fs::write(&file, text).unwrap();
     let scaled = patchcord(&["scale", &file]);
