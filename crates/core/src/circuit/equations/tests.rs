@@ -120,7 +120,8 @@ fn unknown_names_are_errors_with_a_hint() {
     unknown(
         &["x = 2 ft"],
         "ft",
-        "numbers have no units in equations: declare a parameter in ft, or a quantity ft as a parameter",
+        "numbers have no units in equations: declare 2 ft as a parameter, with \"value\": 2 and \"unit\": \"ft\"; or \
+         declare ft, if it is a quantity",
     );
     unknown(&["F = unheard_of"], "unheard_of", "known here: x, v, u, w, F, m, k, c, T, w, ...");
     let both = faults(&["m z' = F + z", "x' = z"]);
@@ -254,8 +255,8 @@ fn an_unknown_name_in_an_initial_value_is_meant_as_a_parameter() {
     unknown(&["x'(0) = speed_0"], "speed_0", "declare speed_0 as a parameter");
     unknown(&["x(0) = V0 T"], "V0", "did you mean v0?");
     unknown(&["x(0) = step"], "step", "step is a function: write step( ... )");
-    let hint =
-        "numbers have no units in equations: declare a parameter in ft, or a quantity ft as a parameter";
+    let hint = "numbers have no units in equations: declare 2 ft as a parameter, with \"value\": 2 and \"unit\": \"ft\"; or \
+         declare ft, if it is a quantity";
     unknown(&["x(0) = 2 ft"], "ft", hint);
     unknown(&["z(0) = x0"], "z(0)", "known here: x, v, u, w, F, m, k, c, T, w, ...");
     // The signal that an equation needs is not an initial value.
