@@ -131,6 +131,25 @@ fn unknown_names_are_errors_with_a_hint() {
 }
 
 #[test]
+fn names_of_other_notations_are_errors_with_a_hint() {
+    let unknown = |equation: &str, part: &str, hint: &str| {
+        let message = format!("{} is not known here", part.trim_end_matches('\''));
+        assert_fault(&[equation], Code::UNKNOWN_NAME, part, &message, hint);
+    };
+    let product = |text: &str| format!("write {text} for the product: names need a space between them");
+    unknown("m x'' = -kx", "kx", &product("k x"));
+    unknown("m x'' = -k x - cx'", "cx'", &product("c x'"));
+    unknown("m x'' = -mkx / T^2", "mkx", &product("m k x"));
+    let derivative = |text: &str| format!("write {text}: a prime is a derivative with respect to time");
+    unknown("m x_ddot = -k x", "x_ddot", &derivative("x''"));
+    unknown("m xdot' = -k x", "xdot'", &derivative("x''"));
+    unknown("v = dxdt", "dxdt", &derivative("x'"));
+    let acceleration = "numbers have no units in equations: declare 9.81 m/s2 as a parameter, with \"value\": 9.81 and \
+                        \"unit\": \"m/s2\"; or declare s2, if it is a quantity";
+    unknown("v' = -9.81 m/s2", "s2", acceleration);
+}
+
+#[test]
 fn elements_scales_and_the_time_scale_are_no_quantities() {
     let foreign = |equation: &str, name: &str, hint: &str| {
         let message = format!("{name} is not a quantity of the equations");

@@ -40,6 +40,18 @@ fn the_time_of_a_problem_in_pure_numbers_is_a_pure_number() {
 }
 
 #[test]
+fn an_unknown_name_of_an_equation_can_be_declared() {
+    let to = "push - spring(x) - h x";
+    let hint = "declare h as a parameter or a quantity; known here: x, f, push, m, x0, n, w, F, t";
+    let message = "h is not known here";
+    assert_finding(&[("push - spring(x)", to)], Code::UNKNOWN_NAME, "h", message, hint);
+    let to = "push - spring(x) - 2 h x";
+    let hint = "numbers have no units in equations: declare 2 h as a parameter, with \"value\": 2 and \"unit\": \"h\"; or \
+                declare h, if it is a quantity";
+    assert_finding(&[("push - spring(x)", to)], Code::UNKNOWN_NAME, "h", message, hint);
+}
+
+#[test]
 fn a_derivative_belongs_to_a_quantity() {
     let (from, code) = ("\"f\": {\"unit\": \"Hz\"}", Code::UNKNOWN_NAME);
     let with = |name: &str| format!("{from}, \"{name}\": {{\"unit\": \"m\"}}");
