@@ -68,6 +68,9 @@ fn a_maximum_is_a_positive_number() {
         "\"maximum\" must be a number, not a text",
         "write the number alone without quotes: the key \"unit\" gives the unit of \"maximum\"",
     );
+    let message = "\"maximum\" must be a number, not a text";
+    let hint = "write 0.5 without quotes";
+    assert_finding(&[(from, "\"maximum\": \"0,5\"")], Code::WRONG_TYPE, "\"0,5\"", message, hint);
     let to = [("\"unit\": \"m/s\"", "\"unit\": \"km/s\""), ("\"per_volt\": 0.5", "\"per_volt\": 1e306")];
     let message = "\"per_volt\" is too large or too small in SI units";
     assert_finding(&to, Code::NOT_FINITE, "1e306", message, "");
