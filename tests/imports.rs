@@ -54,6 +54,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "static_check",
             "scaling_audit",
             "listing",
+            "positions",
             "peaks",
             "plan",
             "synthesis",

@@ -1,6 +1,8 @@
 //! Writes the document of the patch.
 
-use patchcord_core::document::{Diagnostic, Report};
+use std::path::Path;
+
+use patchcord_core::document::{Diagnostic, Report, escape_controls};
 use patchcord_core::machines::DEFAULT_MACHINE;
 use patchcord_core::patch::{
     Amount, ElementBuilder, Patch, PatchBuilder, Problem, ScaleBuilder, SignalBuilder,
@@ -97,7 +99,7 @@ fn faults(report: &Report) -> Vec<Diagnostic> {
 /// The beginning of the document: texts, machine, time scale and parameters.
 fn head(design: &Design<'_>) -> PatchBuilder {
     let problem = &design.input.problem.patch;
-    let mut builder = PatchBuilder::new(&problem.title);
+    let mut builder = PatchBuilder::new(&title_of(problem));
     if !problem.source.is_empty() {
         builder = builder.source(&problem.source);
     }
@@ -115,6 +117,15 @@ fn head(design: &Design<'_>) -> PatchBuilder {
         Some(parameters) => builder.section("parameters", parameters.clone()),
         None => builder,
     }
+}
+
+/// The title of a problem, or the name of its file without the ending.
+fn title_of(problem: &Patch) -> String {
+    if !problem.title.trim().is_empty() {
+        return problem.title.clone();
+    }
+    let stem = Path::new(problem.file()).file_stem().unwrap_or_default();
+    escape_controls(&stem.to_string_lossy())
 }
 
 /// Adds the scales: of drives, of quantities, and of other nodes.
