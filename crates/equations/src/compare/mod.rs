@@ -180,7 +180,8 @@ impl<'a> EquationComparer<'a> {
         let numerical = self.numerical.get_or_insert_with(|| Numerical::new(circuit, program));
         let is_readable =
             found.as_ref().is_ok_and(|(outcome, _)| self.exact.has_readable_terms(equation, outcome));
-        let outcome = match numerical.verdict(equation) {
+        let is_timed = self.exact.model.is_explicit_in_time(equation);
+        let outcome = match numerical.verdict(equation, is_timed) {
             Verdict::Equal(states) => Outcome::SolvedNumerically(states),
             Verdict::EqualAt(names) => Outcome::SolvedAt(names),
             Verdict::Near(share) => {
