@@ -109,6 +109,11 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
     (0..circuit.equations().len()).map(compared).collect()
 }
 
+/// Whether the equations of a patch name the time.
+pub(crate) fn names_time(circuit: &Circuit) -> bool {
+    circuit.equations().iter().any(|placed| placed.value.names().contains(&"t"))
+}
+
 /// Compares single equations of a circuit with its wiring. The equations of the wiring are derived once.
 pub(crate) struct EquationComparer<'a> {
     circuit: &'a Circuit,

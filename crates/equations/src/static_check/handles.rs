@@ -7,6 +7,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::split_primes;
 
+use crate::compare::names_time;
 use crate::derive::{Law, LawKind, Options, System, derive, ramps, simplified};
 use crate::notation::primed;
 use crate::symbolic::{Fraction, Symbol, partial_derivative};
@@ -38,13 +39,8 @@ pub(super) fn handles(circuit: &Circuit, program: &Program) -> Vec<Vec<Handle>> 
 /// the time. The time of test values is 0.
 pub(super) fn timed_states(circuit: &Circuit, program: &Program) -> Vec<bool> {
     let system = system(circuit, program);
-    let ramps = if contain_time(circuit) { ramps(&system) } else { HashMap::new() };
+    let ramps = if names_time(circuit) { ramps(&system) } else { HashMap::new() };
     states(&system).map(|state| ramps.contains_key(&state)).collect()
-}
-
-/// Whether the equations of a patch contain the time.
-pub(super) fn contain_time(circuit: &Circuit) -> bool {
-    circuit.equations().iter().any(|placed| placed.value.names().contains(&"t"))
 }
 
 /// The equations of a circuit in the names of the patch.

@@ -78,9 +78,8 @@ fn scaled<'a>(start: &Wired<'a>, shares: &Shares) -> Option<Wired<'a>> {
 fn at_size<'a>(start: &Wired<'a>, shares: &Shares, size: f64) -> Option<Wired<'a>> {
     let limits = state_limits(start.program, &start.point);
     let states = shares.states.iter().zip(&start.point.states).zip(limits);
-    let states = states.map(|((share, first), [low, high])| {
-        share.map_or(*first, |share| share * size).max(low).min(high)
-    });
+    let states = states
+        .map(|((share, first), [low, high])| share.map_or(*first, |share| share * size).max(low).min(high));
     let states: Vec<f64> = states.collect();
     let given: BTreeMap<Register, f64> =
         shares.drives.iter().map(|(register, share)| (*register, share * size)).collect();

@@ -9,9 +9,10 @@ use patchcord_core::ir::{Program, ProgramPoint, Register};
 use patchcord_core::solve::RunError;
 use patchcord_expr::{Unit, split_primes};
 
-use super::handles::{Handle, contain_time, timed_states};
+use super::handles::{Handle, timed_states};
 use super::stated::aliases;
 use super::wired::Wired;
+use crate::compare::names_time;
 use crate::operating_point::{has_switches, initial_point, settled_point};
 
 /// The values at which a static check is made.
@@ -219,7 +220,7 @@ const TIMED: &str = "the equations contain the time t";
 
 /// Why test values do not set drives. `None` if they do.
 pub(super) fn fixed_reason(wired: &Wired<'_>) -> Option<&'static str> {
-    if contain_time(wired.circuit) {
+    if names_time(wired.circuit) {
         return Some(TIMED);
     }
     has_switches(wired.program).then_some("the patch has elements that switch")

@@ -61,7 +61,8 @@ fn derivatives_of_an_angle_have_values() {
 fn the_first_state_at_which_the_sides_differ_has_their_values() {
     // arm is the arcsine of -1/4 in place of -1/2.
     let patch = arcsine(0.5, "arm = -atan2(x, sqrt(10000 - x^2))");
-    let Verdict::Different(difference) = with(&patch, |numerical, equation| numerical.verdict(equation, false))
+    let Verdict::Different(difference) =
+        with(&patch, |numerical, equation| numerical.verdict(equation, false))
     else {
         panic!("the gain is wrong")
     };
