@@ -22,8 +22,13 @@ pub(super) struct Comparison<'a> {
     program: &'a Program,
     /// Values of the coefficients of the program.
     coefficients: Vec<f64>,
+    /// Length of the run in seconds.
+    duration: f64,
     pub model: Model<'a>,
 }
+
+/// Length of a run that the patch does not state, in seconds.
+const DURATION: f64 = 10.0;
 
 /// The outcome of a comparison.
 pub(super) enum Outcome {
@@ -81,7 +86,8 @@ impl<'a> Comparison<'a> {
     /// within their range.
     pub(super) fn new(circuit: &'a Circuit, program: &'a Program, stays_in_range: bool) -> Self {
         let model = Model::new(circuit, program, stays_in_range);
-        Comparison { circuit, program, coefficients: program.coefficient_values(), model }
+        let duration = circuit.run_plan().duration.as_ref().map_or(DURATION, |duration| duration.value);
+        Comparison { circuit, program, coefficients: program.coefficient_values(), duration, model }
     }
 
     /// Whether the wiring solves an equation. It may name drives and ramps, or write out their laws of time.
@@ -325,7 +331,7 @@ impl<'a> Comparison<'a> {
     /// A point with these values of the parameters.
     fn point(&self, parameters: ParameterValues) -> Point<'_> {
         let (system, program, coefficients) = (&self.model.system, self.program, &self.coefficients);
-        Point { system, program, coefficients, parameters, index: 0 }
+        Point { system, program, coefficients, parameters, duration: self.duration, index: 0 }
     }
 
     /// The outcome for two sides that are equal for the present values of the parameters: also for others, or not.
