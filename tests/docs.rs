@@ -211,7 +211,7 @@ fn keys_listed<'p>(page: &'p str, heading: &str) -> Vec<&'p str> {
 const UNKNOWN_KEYS: &str = r#"{"patchcord": 1,
     "quantities": {"x": {"unit": "1", "colour": 0}},
     "tables": {"f": {"in": "1", "out": "1", "points": [[0, 0], [1, 1]], "colour": 0}},
-    "equations": ["x' = f(x)"], "run": {"for": 1}}"#;
+    "equations": ["x' = f(x)"], "run": {"for": 1, "step": 0.01}}"#;
 
 #[test]
 fn the_page_of_problems_lists_the_keys_of_quantities_and_tables() {

@@ -26,11 +26,20 @@ use patchcord::{Circuit, Patch, Program};
 /// The seed of the fixed part.
 const SEED: u64 = 1451;
 /// The number of commands of the fixed part.
-const COMMANDS: u64 = 600;
+const COMMANDS: u64 = 650;
 /// The least share of accepted cases of each command, in percent. Refused inputs test nothing after the checks.
 /// `profile` is left out, since it has few cases.
-const ACCEPTED_SHARES: [(&str, usize); 7] =
-    [("check", 15), ("draw", 15), ("effects", 10), ("gap", 5), ("linearise", 10), ("run", 10), ("sweep", 2)];
+const ACCEPTED_SHARES: [(&str, usize); 9] = [
+    ("check", 15),
+    ("draw", 15),
+    ("effects", 10),
+    ("equations", 15),
+    ("gap", 5),
+    ("linearise", 10),
+    ("run", 10),
+    ("scale", 15),
+    ("sweep", 2),
+];
 /// The number of cases whose documents are read within the test.
 const READ_CASES: u64 = 1000;
 /// The number of commands with a special input or output.
@@ -38,7 +47,7 @@ const SPECIAL_COMMANDS: u64 = 60;
 /// The number of parts of the large patches.
 const LARGE_COUNT: usize = 2000;
 /// The commands on large patches.
-const LARGE_COMMANDS: [(Shape, &[&str]); 9] = [
+const LARGE_COMMANDS: [(Shape, &[&str]); 13] = [
     (Shape::Chain, &["check", PATCH, "--voltages", "--scaling"]),
     (Shape::Loops, &["check", PATCH, "--json"]),
     (Shape::Parameters, &["check", PATCH, "--json"]),
@@ -47,6 +56,10 @@ const LARGE_COMMANDS: [(Shape, &[&str]); 9] = [
     (Shape::Delays, &["run", PATCH]),
     (Shape::Signals, &["run", PATCH, "--json"]),
     (Shape::Chain, &["linearise", PATCH]),
+    (Shape::Chain, &["equations", PATCH]),
+    (Shape::Delays, &["equations", PATCH, "--json"]),
+    (Shape::Parameters, &["equations", PATCH, "--latex"]),
+    (Shape::Chain, &["check", PATCH, "--test", "random"]),
     (Shape::Instances, &["draw", PATCH, "--plot", "d.svg"]),
 ];
 
@@ -94,7 +107,13 @@ fn large_patches_break_no_rule() {
     let summary = run_first("large", LARGE_COMMANDS.len() as u64, &make);
     assert_eq!(summary.skipped, 0);
     // A schematic has at most 1000 symbols, and a linear model at most 500 states.
-    let expected = [("check", [3, 3]), ("draw", [0, 1]), ("linearise", [0, 1]), ("run", [4, 4])];
+    let expected = [
+        ("check", [4, 4]),
+        ("draw", [0, 1]),
+        ("equations", [3, 3]),
+        ("linearise", [0, 1]),
+        ("run", [4, 4]),
+    ];
     let expected = expected.map(|(command, counts)| (command.to_owned(), counts));
     assert_eq!(summary.commands, BTreeMap::from(expected));
 }

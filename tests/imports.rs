@@ -44,6 +44,7 @@ const MODULES: [(&str, &[&str]); 7] = [
         &[
             "notation",
             "symbolic",
+            "graph",
             "derive",
             "operating_point",
             "writing",
@@ -53,7 +54,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "static_check",
             "scaling_audit",
             "listing",
-            "graph",
+            "positions",
             "peaks",
             "plan",
             "synthesis",

@@ -11,6 +11,7 @@ mod imports;
 mod known_problems;
 mod lessons;
 mod problems;
+mod scaled_problems;
 #[path = "../crates/draw/tests/schematic_checks/mod.rs"]
 mod schematic_checks;
 mod shipped_patches;

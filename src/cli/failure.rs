@@ -40,8 +40,10 @@ enum Cause {
     AlreadyPrinted(String),
     /// The patch or the data are wrong.
     Data(String),
-    /// The patch is wrong. The report has the positions.
+    /// The patch is wrong. The report has the positions. An error without a position concerns the command line.
     Patch(Box<Report>),
+    /// A problem is wrong, or it has no circuit. The command line is right.
+    Problem(Box<Report>),
     /// An experiment is wrong, or its patch. The first report is that of the first wrong document.
     Experiment(Vec<Report>),
     /// Effects are wrong.
@@ -66,6 +68,7 @@ struct FailureDocument<'a> {
 enum CauseDocument<'a> {
     Message { error: &'a str },
     Patch { patch: &'a str, diagnostics: Vec<DiagnosticDocument> },
+    Problem { problem: &'a str, diagnostics: Vec<DiagnosticDocument> },
     Experiment { experiment: Option<&'a str>, diagnostics: Vec<DiagnosticDocument> },
     Effects { effect: Option<&'a str>, diagnostics: Vec<DiagnosticDocument> },
 }
@@ -89,6 +92,11 @@ impl Failure {
     /// An error in the patch or the data, with exit code 1.
     pub(super) fn data(message: impl Into<String>) -> Self {
         Failure::new(Cause::Data(message.into()))
+    }
+
+    /// An error in a problem, with exit code 1 also if it has no position in the problem.
+    pub(super) fn problem(report: Box<Report>) -> Self {
+        Failure::new(Cause::Problem(report))
     }
 
     /// An overload in a run that must have none, with exit code 3.
@@ -126,7 +134,7 @@ impl Failure {
             Cause::Usage(message) | Cause::Data(message) | Cause::Overload(message) => {
                 eprint(&format!("error: {message}"));
             }
-            Cause::Patch(report) => eprint_report(report),
+            Cause::Patch(report) | Cause::Problem(report) => eprint_report(report),
             Cause::Experiment(reports) | Cause::Effects(reports) => reports.iter().for_each(eprint_report),
             Cause::AlreadyPrinted(_) => (),
         }
@@ -141,7 +149,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match &self.cause {
             Cause::Usage(_) | Cause::AlreadyPrinted(_) => 2,
-            Cause::Data(_) | Cause::Experiment(_) | Cause::Effects(_) => 1,
+            Cause::Data(_) | Cause::Problem(_) | Cause::Experiment(_) | Cause::Effects(_) => 1,
             Cause::Overload(_) => 3,
             Cause::Patch(report) if concerns_command_line(report) => 2,
             Cause::Patch(_) => 1,
@@ -157,6 +165,9 @@ impl Failure {
             | Cause::Overload(error) => CauseDocument::Message { error },
             Cause::Patch(report) => {
                 CauseDocument::Patch { patch: &report.file, diagnostics: report.documents() }
+            }
+            Cause::Problem(report) => {
+                CauseDocument::Problem { problem: &report.file, diagnostics: report.documents() }
             }
             Cause::Experiment(reports) => {
                 CauseDocument::Experiment { experiment: first_file(reports), diagnostics: findings(reports) }

@@ -17,7 +17,7 @@ use super::standard_streams::check_input;
 use super::table::Table;
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{DiagnosticDocument, Report, escape_controls, plural};
+use patchcord::document::{DiagnosticDocument, DocumentError, Report, escape_controls, plural};
 use patchcord::equations::{
     NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
 };
@@ -60,12 +60,12 @@ fn machine(name: &str) -> Result<&'static MachineModel, String> {
 /// The scales are chosen before anything is written, so a problem without a circuit leaves no file.
 pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
     check_input(&arguments.problem)?;
-    let problem = Problem::read(&arguments.problem)?;
+    let problem = Problem::read(&arguments.problem).map_err(unreadable)?;
     let outputs = Outputs::default().reading("the problem", [&arguments.problem]);
     outputs.prepare(None, &arguments.out)?;
     let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
     eprint_report(&Circuit::new(&problem.patch)?.warnings());
-    let warnings = Circuit::new(&scaled.patch)?.warnings();
+    let warnings = arguments.warnings(&problem, &scaled)?;
     if let Some(file) = &arguments.out {
         outputs.write(file, scaled.patch.text().as_bytes())?;
     }
@@ -82,6 +82,17 @@ impl Arguments {
     fn options(&self) -> ScaleOptions {
         let machine = self.machine.unwrap_or(ScaleOptions::default().machine);
         ScaleOptions { machine, time_scale: self.time, keeps_maxima: self.keep_maxima }
+    }
+
+    /// The warnings about the patch: at their positions in its file, or in the problem if no file is written.
+    fn warnings(&self, problem: &Problem, scaled: &ScaledProblem) -> Result<Report, Failure> {
+        Ok(match &self.out {
+            Some(file) => {
+                let findings = Circuit::new(&scaled.patch)?.warnings().findings;
+                Report::new(&file.display().to_string(), scaled.patch.text(), findings)
+            }
+            None => Report::new(problem.patch.file(), problem.patch.text(), scaled.warnings.clone()),
+        })
     }
 
     /// The printed result.
@@ -112,10 +123,18 @@ impl Arguments {
     }
 }
 
+/// The failure for a problem that cannot be read.
+fn unreadable(error: DocumentError) -> Failure {
+    match error {
+        DocumentError::Text(report) => Failure::problem(report),
+        other => other.into(),
+    }
+}
+
 /// The failure for a problem that cannot be scaled.
 fn failure(error: ScaleError) -> Failure {
     match error {
-        ScaleError::Problem(report) => report.into(),
+        ScaleError::Problem(report) => Failure::problem(report),
         other => Failure::data(other.to_string()),
     }
 }

@@ -1,5 +1,6 @@
 //! The command line: printed text, files and exit codes.
 
+mod bad_problems;
 mod check;
 mod completions;
 mod draw;

@@ -9,6 +9,7 @@ use super::experiment_case::{effect_case, experiment_case};
 use super::large_patch::large_case;
 use super::other_commands::{figure_command, other_case, slideway};
 use super::patch_case::patch_case;
+use super::problem_case::problem_case;
 use super::special_case::special_case;
 use super::special_files::{FULL_DEVICE, Special, Specials};
 use super::streams::{StandardInput, StandardOutput};
@@ -54,6 +55,7 @@ impl Case {
             15..22 => effect_case(corpus, random),
             22..24 => special_case(corpus, random),
             24..28 => other_case(random),
+            28..34 => problem_case(corpus, random),
             _ => patch_case(corpus, random),
         };
         if once_in(50, random) {

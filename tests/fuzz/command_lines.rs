@@ -60,7 +60,8 @@ pub(crate) fn patch_command(document: &Node, random: &mut SplitMix64) -> Vec<Str
         words: Vec::new(),
     };
     match random.below(20) {
-        0..4 => line.check(random),
+        0..3 => line.check(random),
+        3 => line.equations(random),
         4..11 => line.run(random),
         11..13 => line.draw(random),
         13..16 => line.linearise(random),
@@ -124,7 +125,34 @@ impl CommandLine<'_> {
     fn check(&mut self, random: &mut SplitMix64) {
         self.begin("check", random);
         self.add_once_in(2, &["--json"], random);
-        self.add_once_in(2, &["--scaling", "--voltages"], random);
+        match random.below(4) {
+            0 | 1 => self.add(&["--scaling", "--voltages"]),
+            2 => self.test(random),
+            _ => (),
+        }
+    }
+
+    /// Adds the test values of a static check.
+    fn test(&mut self, random: &mut SplitMix64) {
+        match random.below(6) {
+            0 | 1 => self.add(&["--test", "initial"]),
+            2..5 => self.add(&["--test", "random", "--seed", "3"]),
+            _ => {
+                let value = format!("{}={}", self.signal(random), edge_number(random));
+                self.add(&["--test", &value]);
+            }
+        }
+    }
+
+    /// Writes `equations`.
+    fn equations(&mut self, random: &mut SplitMix64) {
+        self.begin("equations", random);
+        self.add_once_in(3, &["--all"], random);
+        match random.below(3) {
+            0 => self.add(&["--json"]),
+            1 => self.add(&["--latex"]),
+            _ => (),
+        }
     }
 
     /// Writes `run`.

@@ -49,6 +49,10 @@ pub(crate) struct Corpus {
     pub patches: Vec<Document>,
     /// A valid patch with data files. The shipped ones have none.
     pub table_patch: Document,
+    /// Valid problems.
+    pub problems: Vec<Document>,
+    /// Problems, most of which have no circuit.
+    pub bad_problems: Vec<Document>,
     /// Invalid patches.
     pub bad_patches: Vec<Document>,
     /// Experiments, most of them invalid.
@@ -79,9 +83,14 @@ impl Corpus {
         let valid_experiments = experiments_in("examples/05_missing_effect");
         let mut experiments = experiments_in("crates/ident/tests/bad");
         experiments.extend(valid_experiments.iter().cloned());
+        let mut problems = documents(json_files("problems"));
+        problems.extend(documents(json_files("crates/equations/tests/systems")));
+        problems.retain(|document| document.node.get("equations").is_some());
         let mut corpus = Corpus {
             patches,
             table_patch: table_patch(),
+            problems,
+            bad_problems: documents(json_files("crates/equations/tests/problems")),
             bad_patches: documents(json_files("crates/core/tests/patches/bad")),
             experiments,
             valid_experiments,
@@ -89,8 +98,8 @@ impl Corpus {
             fragments: Fragments::new(),
             has_slow_cases,
         };
-        let Corpus { patches, bad_patches, experiments, effects, fragments, .. } = &mut corpus;
-        for document in [&*patches, &*bad_patches, &*experiments, &*effects].into_iter().flatten() {
+        let Corpus { patches, problems, bad_problems, bad_patches, experiments, effects, fragments, .. } = &mut corpus;
+        for document in [&*patches, &*problems, &*bad_problems, &*bad_patches, &*experiments, &*effects].into_iter().flatten() {
             collect_fragments(&document.node, fragments);
         }
         corpus

@@ -7,8 +7,10 @@ use serde_json::Value;
 
 use super::case::{Case, words};
 use super::command_lines::{SWEEP, TABLE};
+use super::problem_case::SCALED;
 use super::runner::Answer;
 use super::streams::{StandardOutput, prints_table};
+use patchcord::{Circuit, Patch, Program};
 
 /// The sentence with which a run that stops says that its files are complete up to an instant.
 const STOPPED: &str = "the files contain the run up to";
@@ -95,7 +97,17 @@ fn file_violation(case: &Case, name: &str, bytes: &[u8], answer: &Answer) -> Opt
     if is_error && name != SWEEP && !case.may_lose_output() && !says_so() {
         return Some("was written in spite of an error");
     }
+    if name == SCALED && !is_valid_patch(bytes) {
+        return Some("is not a valid patch");
+    }
     content_violation(name, bytes)
+}
+
+/// Whether a file is a patch with a circuit and a program.
+fn is_valid_patch(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(bytes);
+    let circuit = Patch::parse(SCALED, &text).and_then(|patch| Circuit::new(&patch));
+    circuit.is_ok_and(|circuit| Program::new(&circuit).is_ok())
 }
 
 /// The broken rule of the content of a file: it is incomplete, or has a number that is not finite.

@@ -9,12 +9,13 @@ use patchcord::elements::REGISTRY;
 use patchcord::thesis::replay::{Figure, figures};
 
 /// The names of all commands.
-pub(crate) const COMMAND_NAMES: [&str; 15] = [
+pub(crate) const COMMAND_NAMES: [&str; 17] = [
     "check",
     "completions",
     "draw",
     "effects",
     "elements",
+    "equations",
     "gap",
     "linearise",
     "machines",
@@ -23,6 +24,7 @@ pub(crate) const COMMAND_NAMES: [&str; 15] = [
     "profile",
     "replay",
     "run",
+    "scale",
     "slideway",
     "sweep",
 ];

@@ -32,6 +32,7 @@ mod notation;
 mod operating_point;
 mod peaks;
 mod plan;
+mod positions;
 mod scaled;
 mod scaling_audit;
 mod static_check;

@@ -5,17 +5,16 @@
 //! factor of the input signal in the equation that is solved for the output signal, or for its derivative if the wiring
 //! has integrators. Wiring about which no equation decides is listed without a required gain.
 
-use std::f64::consts::PI;
-
 use patchcord_core::circuit::{Circuit, ScalingRow, SignalPoint};
 use patchcord_core::ir::Program;
 use patchcord_expr::split_primes;
 
 use crate::derive::System;
+use crate::graph::ConstantValues;
 use crate::notation::primed;
 use crate::notation::text;
 use crate::static_check::stated::{Alias, Stated, aliases};
-use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, partial_derivative, value};
+use crate::symbolic::{Fraction, partial_derivative};
 use crate::writing::Writer;
 
 /// A gain of the wiring between two scaled signals, and whether it is right.
@@ -137,9 +136,10 @@ enum Factor {
 /// The stated equations of a circuit, each solved for a quantity.
 struct Audit<'a> {
     circuit: &'a Circuit,
-    program: &'a Program,
     /// The names of the quantities.
     system: System,
+    /// The values of parameters.
+    constants: ConstantValues,
     /// The names that equations give to derivatives.
     aliases: Vec<Alias<'a>>,
     solved: Vec<SolvedEquation>,
@@ -147,7 +147,7 @@ struct Audit<'a> {
 
 impl<'a> Audit<'a> {
     /// Solves the equations of a circuit.
-    fn new(circuit: &'a Circuit, program: &'a Program) -> Self {
+    fn new(circuit: &'a Circuit, program: &Program) -> Self {
         let aliases = aliases(circuit);
         let mut stated = Stated::new(circuit, program);
         let mut solved = Vec::new();
@@ -158,7 +158,8 @@ impl<'a> Audit<'a> {
         let Stated { symbols, .. } = stated;
         let (laws, modes, tables, margins) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let system = System { symbols, laws, modes, tables, margins };
-        Audit { circuit, program, system, aliases, solved }
+        let constants = ConstantValues::new(&system.symbols, circuit);
+        Audit { circuit, system, constants, aliases, solved }
     }
 
     /// A row with its decision.
@@ -260,9 +261,8 @@ impl<'a> Audit<'a> {
         integrations: usize,
     ) -> Option<GainDecision> {
         let [output, input] = [self.per_volt(output)?, self.per_volt(input)?];
-        let constants = Constants { system: &self.system, program: self.program };
         let time = self.circuit.time_scale().powi(i32::try_from(integrations).ok()?);
-        let gain = input * value(factor, &constants) / output / time;
+        let gain = input * self.constants.value(factor) / output / time;
         let writer = Writer::new(self.circuit, &self.system);
         let block = text(&writer.expression(factor, writer.dimension(factor)));
         gain.is_finite().then_some(GainDecision::Equation { index, block, gain })
@@ -322,34 +322,6 @@ fn solved_equation(
     }
     let value = Fraction::symbol(symbol).minus(&residual.over(&slope));
     (!value.contains(&mut |other| other == symbol)).then_some(SolvedEquation { of, value, index })
-}
-
-/// The values of parameters. Nothing else has a value here.
-struct Constants<'a> {
-    system: &'a System,
-    program: &'a Program,
-}
-
-impl Values for Constants<'_> {
-    fn symbol(&self, symbol: Symbol) -> f64 {
-        match self.system.symbols.entry(symbol).kind {
-            SymbolKind::Pi => PI,
-            SymbolKind::Parameter(index) => self.program.parameters()[index].value,
-            SymbolKind::Time | SymbolKind::Variable | SymbolKind::Held => f64::NAN,
-        }
-    }
-
-    fn table(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn slope(&self, _table: u32, _at: f64) -> f64 {
-        f64::NAN
-    }
-
-    fn delayed(&self, _expression: &Fraction, _time: f64) -> f64 {
-        f64::NAN
-    }
 }
 
 #[cfg(test)]

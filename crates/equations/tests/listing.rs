@@ -236,3 +236,80 @@ fn sums_of_quotients_and_high_powers_end() {
         assert_eq!(agreement(&mut patch, equation), Agreement::Solved, "{equation}");
     }
 }
+
+/// x' = rate (t + T0) - x/tau, with an integrator A2 of 5 V per second for the time. `integrator` are further keys of A2,
+/// and `signals` are further signals.
+fn ramp(integrator: &Value, signals: &Value) -> Value {
+    let mut patch = json!({
+        "patchcord": 1,
+        "parameters": {
+            "rate": {"value": 3, "unit": "m/s2", "range": [1, 8]},
+            "T0": {"value": 2, "unit": "s", "range": [1, 9]},
+            "tau": {"value": 1, "unit": "s", "range": [0.5, 2]},
+        },
+        "scales": {"x": {"per_volt": 0.5, "unit": "m"}, "time": {"per_volt": 0.2, "unit": "s"}},
+        "elements": {
+            "P1": {"kind": "pot", "in": "A1", "setting": "1 / tau / 10"},
+            "P2": {"kind": "pot", "in": "B2", "setting": "rate * time / x / 10"},
+            "A1": {"kind": "integrator", "in": {"x10": ["P1", "P2"]}},
+            "P3": {"kind": "pot", "in": "-100", "setting": "1 / time / 100"},
+            "A2": {"kind": "integrator", "in": {"x1": ["P3"]}, "initial": "T0 / time"},
+            "B2": {"kind": "inverter", "in": "A2"},
+        },
+        "signals": {"x": {"at": "A1", "scale": "x"}},
+    });
+    let add = |object: &mut Value, keys: &Value| {
+        object.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
+    };
+    add(&mut patch["elements"]["A2"], integrator);
+    add(&mut patch["signals"], signals);
+    patch
+}
+
+/// The signal at the integrator for the time.
+fn clock() -> Value {
+    json!({"clock": {"at": "A2", "scale": "time"}})
+}
+
+#[test]
+fn an_unnamed_integrator_for_the_time_is_written_as_the_time() {
+    assert_eq!(equations(&ramp(&json!({}), &json!({}))), ["x' = rate T0 - x/tau + rate t"]);
+    assert_eq!(equations(&ramp(&json!({}), &clock())), ["x' = rate clock - x/tau", "clock' = 1"]);
+    // At its limit and in reset, the integrator does not follow the time.
+    let limited = ramp(&json!({"limit": {"upper": 90}}), &json!({}));
+    assert_eq!(equations(&limited)[0], "x' = (0.2 s/V) rate A2 - x/tau");
+    let mut reset = ramp(&json!({"in": {"x1": ["P3"], "reset": "K1"}, "initial": 0}), &json!({}));
+    reset["elements"]["K1"] = json!({"kind": "comparator", "in": "A2", "threshold": 50});
+    assert_eq!(equations(&reset)[0], "x' = (0.2 s/V) rate A2 - x/tau");
+}
+
+#[test]
+fn an_integrator_for_the_time_is_compared_with_the_time() {
+    let equation = "tau x' = rate tau (t + T0) - x";
+    for signals in [json!({}), clock()] {
+        let mut patch = ramp(&json!({}), &signals);
+        for right in [equation, "x''' = -x''/tau", "x(0) = 0"] {
+            assert_eq!(agreement(&mut patch, right), Agreement::Solved, "{right}");
+        }
+        let wrong = agreement(&mut patch, "tau x' = 2 rate tau t + rate tau T0 - x");
+        let Agreement::Different { differences, wired } = wrong else { panic!("{wrong:?}") };
+        assert_eq!(differences, ["the term 2 rate t is 2 times too small"]);
+        assert_eq!(wired, "x' = rate T0 - x/tau + rate t");
+        patch["elements"]["P2"]["setting"] = json!(0.12);
+        let names = ["T0", "rate", "tau"].map(str::to_owned).to_vec();
+        assert_eq!(agreement(&mut patch, equation), Agreement::SolvedAt(names));
+    }
+}
+
+#[test]
+fn a_signal_of_the_time_is_compared_with_the_time() {
+    let mut named = ramp(&json!({}), &clock());
+    for equation in ["clock = t + T0", "clock' = 1", "clock(0) = T0", "x' = rate clock - x/tau"] {
+        assert_eq!(agreement(&mut named, equation), Agreement::Solved, "{equation}");
+    }
+    assert!(matches!(agreement(&mut named, "clock = t"), Agreement::Different { .. }));
+    let mut limited = ramp(&json!({"limit": {"upper": 90}}), &clock());
+    assert!(matches!(agreement(&mut limited, "clock = t + T0"), Agreement::Different { .. }));
+    let within = Agreement::SolvedIf(vec!["clock < 18 s".to_owned()]);
+    assert_eq!(agreement(&mut limited, "clock' = 1"), within);
+}

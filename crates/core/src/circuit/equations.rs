@@ -12,6 +12,7 @@
 
 mod initial;
 mod names;
+mod notations;
 mod scope;
 
 use std::collections::{HashMap, HashSet};

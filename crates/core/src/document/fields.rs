@@ -11,6 +11,7 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
 use super::quantity::{Quantity, fixed_unit, unit_rule};
 use super::tree::{Content, KeyValue, Node};
+use super::typed_number::without_separators;
 use super::wording::suggestion;
 use patchcord_expr::nearest;
 
@@ -109,10 +110,14 @@ pub fn wrong_type(node: &Node, key: &str, expected: &str, got: &Content) -> Diag
     Diagnostic::at(Code::WRONG_TYPE, node.span, message).maybe_hint(hint)
 }
 
-/// The hint for a text in place of a number. `None` if the text is neither a number nor a number with a unit.
+/// The hint for a text in place of a number. `None` if the text is neither a number, perhaps with a decimal comma, nor a
+/// number with a unit.
 fn quoted_number_hint(text: &str, key: &str) -> Option<String> {
     if text.parse::<f64>().is_ok_and(f64::is_finite) {
         return Some("remove the quotes".to_owned());
+    }
+    if let Some(advised) = without_separators(text).filter(|_| !text.contains(char::is_alphabetic)) {
+        return Some(format!("write {advised} without quotes"));
     }
     let quantity = Quantity::parse(text)?;
     let advised = fixed_unit(key).and_then(|unit| quantity.number_in(unit));

@@ -1,5 +1,7 @@
 //! Diagnostics for the errors of formulas and equations, at their position in the document.
 
+use std::ops::Range;
+
 use super::Placed;
 use super::code::Code;
 use super::diagnostic::Diagnostic;
@@ -46,39 +48,63 @@ pub(crate) fn unit_advice(
         let is_known = scope.names().iter().any(|known| known.eq_ignore_ascii_case(name));
         !is_known && Unit::parse(name).is_ok()
     };
-    let name = text.get(error.range.clone())?;
-    if !is_unknown_unit(name) || !roots.iter().any(|root| follows_number(root, error.range.start)) {
-        return None;
-    }
+    let name = text.get(error.range.clone()).filter(|name| is_unknown_unit(name))?;
+    let quantity = roots.iter().find_map(|root| number_with_unit(root, error.range.start))?;
     let mut names = roots.iter().flat_map(|root| root.names());
     Some(match expected.filter(|_| names.all(is_unknown_unit)) {
         Some(expected) => format!("{expected} is expected here; a quantity {name} must be a parameter"),
-        None => format!("declare a parameter in {name}, or a quantity {name} as a parameter"),
+        None => {
+            let [number, unit] = quantity.map(|range| text.get(range).unwrap_or_default());
+            format!(
+                "declare {number} {unit} as a parameter, with \"value\": {number} and \"unit\": \"{unit}\"; or declare \
+                 {name}, if it is a quantity"
+            )
+        }
     })
 }
 
-/// Whether the factor that begins at a byte of the formula is multiplied by a number in front of it.
-fn follows_number(node: &Node, start: usize) -> bool {
+/// The ranges of a number and of its unit, if the last factor of the unit begins at a byte of the formula: `9.81` and
+/// `m/s2` for the byte of `s2`. `None` if no number precedes the factor.
+fn number_with_unit(node: &Node, start: usize) -> Option<[Range<usize>; 2]> {
     match &node.expression {
         Expression::Binary(operator, left, right) => {
-            let is_multiple = *operator == Operator::Multiply && is_number(left);
-            (is_multiple && right.range.start == start)
-                || follows_number(left, start)
-                || follows_number(right, start)
+            let before = if right.range.start == start { leading_number(left) } else { None };
+            // A number that is divided by something has no unit.
+            let is_product = *operator == Operator::Multiply;
+            let before =
+                before.filter(|(_, unit)| is_product || *operator == Operator::Divide && unit.is_some());
+            before
+                .map(|(number, unit)| [number, unit.unwrap_or(start)..right.range.end])
+                .or_else(|| number_with_unit(left, start))
+                .or_else(|| number_with_unit(right, start))
         }
-        Expression::Negate(inner) => follows_number(inner, start),
+        Expression::Negate(inner) => number_with_unit(inner, start),
         Expression::Call(_, arguments) | Expression::Apply(_, arguments) => {
-            arguments.iter().any(|argument| follows_number(argument, start))
+            arguments.iter().find_map(|argument| number_with_unit(argument, start))
         }
-        Expression::Number(_) | Expression::Name(_) => false,
+        Expression::Number(_) | Expression::Name(_) => None,
     }
 }
 
-/// Whether a node is a number, with or without a sign.
-fn is_number(node: &Node) -> bool {
+/// The number with which a product begins, and the first byte of the units that follow it, if there are any. `None` if
+/// the product has other factors.
+fn leading_number(node: &Node) -> Option<(Range<usize>, Option<usize>)> {
     match &node.expression {
-        Expression::Number(_) => true,
-        Expression::Negate(inner) => is_number(inner),
+        Expression::Number(_) => Some((node.range.clone(), None)),
+        Expression::Negate(inner) => leading_number(inner),
+        Expression::Binary(Operator::Multiply | Operator::Divide, left, right) if is_unit(right) => {
+            let (number, unit) = leading_number(left)?;
+            Some((number, unit.or(Some(right.range.start))))
+        }
+        _ => None,
+    }
+}
+
+/// Whether a node is the name of a unit, or a power of it.
+fn is_unit(node: &Node) -> bool {
+    match &node.expression {
+        Expression::Name(name) => Unit::parse(name).is_ok(),
+        Expression::Binary(Operator::Power, base, _) => is_unit(base),
         _ => false,
     }
 }

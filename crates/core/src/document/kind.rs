@@ -64,16 +64,19 @@ impl DocumentKind {
 
     /// The diagnostic for a document of another kind in place of this one.
     ///
-    /// A document of no known kind is reported if a patch is expected. A misspelled key "patchcord" is left to the
-    /// decoder of patches. `None` if there is nothing to report.
+    /// A document of no known kind is reported if a patch or a problem is expected. A misspelled main key is left to the
+    /// decoder of these. `None` if there is nothing to report.
     pub fn wrong_kind(self, root: &Node) -> Option<Diagnostic> {
         let Content::Object(entries) = &root.value else { return None };
         let (given, identifying) = match identify(entries) {
             Some((given, _)) if given == self => return None,
             Some(identified) => identified,
-            None if entries.iter().any(|entry| entry.key == self.main_key()) => return None,
+            None if has_key(entries, self.main_key()) => return None,
             None => return self.unknown_kind(root, entries),
         };
+        if self == DocumentKind::Problem && given == DocumentKind::Patch && !has_key(entries, ELEMENTS) {
+            return self.unknown_kind(root, entries);
+        }
         let message = format!("this is {}, where {} is needed", given.noun(), self.noun());
         let hint = given.hint_in_place_of(self);
         Some(Diagnostic::at(Code::UNKNOWN_KEY, identifying.key_span, message).hint(hint))
@@ -82,24 +85,30 @@ impl DocumentKind {
     /// The main key of a document of this kind. `None` if the document is of another kind.
     fn identifying_key(self, entries: &[KeyValue]) -> Option<&KeyValue> {
         if self == DocumentKind::Problem {
-            return quantities_key(entries);
+            return problem_key(entries);
         }
         let find = |key: &str| entries.iter().find(|entry| entry.key == key);
         let has_all = |keys: &&&[&str]| keys.iter().all(|key| find(key).is_some());
         self.key_sets().iter().find(has_all).and_then(|keys| find(keys[0]))
     }
 
-    /// The diagnostic for a document of no known kind in place of a patch. `None` for other expected kinds, and if a
-    /// key is probably the misspelled key of patches.
+    /// The diagnostic for a document of no known kind in place of a patch or a problem. `None` for other expected kinds,
+    /// if a key is probably the misspelled main key, and for equations, which are a part of a problem.
     fn unknown_kind(self, root: &Node, entries: &[KeyValue]) -> Option<Diagnostic> {
+        let hint = match self {
+            DocumentKind::Patch => "is it the right file? A patch begins with {\"patchcord\": 1, ...",
+            DocumentKind::Problem if !has_key(entries, EQUATIONS) => {
+                "is it the right file? A problem has \"patchcord\", \"quantities\", \"equations\" and \"run\": see \
+                 docs/problem-format.md"
+            }
+            _ => return None,
+        };
         let main_key = self.main_key();
-        let is_misspelled = nearest(main_key, entries.iter().map(|entry| entry.key.as_str())).is_some();
-        if self != DocumentKind::Patch || is_misspelled {
+        if nearest(main_key, entries.iter().map(|entry| entry.key.as_str())).is_some() {
             return None;
         }
         let opening = Span { start: root.span.start, end: root.span.start + 1 };
-        let message = format!("this is not a patch: it has no key \"{main_key}\"");
-        let hint = "is it the right file? A patch begins with {\"patchcord\": 1, ...";
+        let message = format!("this is not {}: it has no key \"{main_key}\"", self.noun());
         Some(Diagnostic::at(Code::MISSING_KEY, opening, message).hint(hint))
     }
 
@@ -109,7 +118,7 @@ impl DocumentKind {
     }
 
     /// The sets of keys that identify the kind: a document with all keys of one set is of this kind. Every set begins
-    /// with the main key. A problem is also identified by other words, see [`quantities_key`].
+    /// with the main key. A problem is also identified by other keys, see [`problem_key`].
     fn key_sets(self) -> &'static [&'static [&'static str]] {
         match self {
             DocumentKind::Problem => &[&["quantities", "patchcord"]],
@@ -139,7 +148,9 @@ impl DocumentKind {
             return FOLDER_HINT;
         }
         match self {
-            DocumentKind::Problem => "`patchcord scale` makes a patch from it: see docs/problem-format.md",
+            DocumentKind::Problem => {
+                "`patchcord scale PROBLEM.json --out PATCH.json` makes a patch from it: see docs/problem-format.md"
+            }
             DocumentKind::Patch if needed == DocumentKind::Problem => {
                 "a problem has \"quantities\" and no \"elements\": see docs/problem-format.md"
             }
@@ -163,15 +174,31 @@ fn identify(entries: &[KeyValue]) -> Option<(DocumentKind, &KeyValue)> {
     ALL.into_iter().find_map(|kind| Some((kind, kind.identifying_key(entries)?)))
 }
 
-/// The key of a problem that means its quantities: the right key, another word for it, or a misspelled one.
+/// The key of the elements of a patch.
+const ELEMENTS: &str = "elements";
+/// The key of the equations of a problem or a patch.
+const EQUATIONS: &str = "equations";
+/// The sections that are the substance of a patch. A document that has equations and none of them is a problem.
+const PATCH_SECTIONS: [&str; 5] = [ELEMENTS, "drives", "scales", "signals", "macros"];
+
+/// The key that identifies a problem: the one that means its quantities, or that of its equations if it has no section
+/// of a patch.
 ///
-/// `None` if there is no such key, if the document is not one of patchcord, or if it has elements and so is a patch.
-fn quantities_key(entries: &[KeyValue]) -> Option<&KeyValue> {
+/// The quantities can have the right key, another word for it, or a misspelled one. `None` if the document is not one of
+/// patchcord, or if it has elements and so is a patch.
+fn problem_key(entries: &[KeyValue]) -> Option<&KeyValue> {
     let find = |is_meant: &dyn Fn(&str) -> bool| entries.iter().find(|entry| is_meant(&entry.key));
-    if find(&|key| key == "patchcord").is_none() || find(&|key| key == "elements").is_some() {
+    if !has_key(entries, "patchcord") || has_key(entries, ELEMENTS) {
         return None;
     }
-    find(&|key| key == QUANTITIES.key).or_else(|| find(&means_quantities))
+    let quantities = find(&|key| key == QUANTITIES.key).or_else(|| find(&means_quantities));
+    let is_patch = PATCH_SECTIONS.iter().any(|section| has_key(entries, section));
+    quantities.or_else(|| find(&|key| key == EQUATIONS).filter(|_| !is_patch))
+}
+
+/// Whether a document has a key.
+fn has_key(entries: &[KeyValue], key: &str) -> bool {
+    entries.iter().any(|entry| entry.key == key)
 }
 
 /// Whether a key is another word for "quantities", or a misspelling of it.

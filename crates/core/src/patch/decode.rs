@@ -15,7 +15,7 @@ use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Scale, Sign
 use super::key_synonyms::{patch_advice, scale_advice, signal_advice};
 use super::short_forms::{parameter_hint, scale_hint, signal_hint};
 use super::{macros, product_hints};
-use crate::document::fields::{Fields, Findings, flag, list, number, positive, string, strings};
+use crate::document::fields::{Fields, Findings, flag, list, number, positive, string, strings, wrong_type};
 use crate::document::tree::{self, Content, Node};
 use crate::document::{
     Code, Diagnostic, DocumentKind, Placed, Span, any_error, equation_with_tables, factor_violation, formula,
@@ -205,6 +205,9 @@ fn factor(node: &Node, findings: &mut Findings) -> Option<f64> {
     Some(factor)
 }
 
+/// What to write in place of an equation that is not a text.
+const EQUATIONS_HINT: &str = "write a list of texts, such as [\"x' = v\", \"m v' = -k x\"]";
+
 /// Decodes the list "equations", or a single equation. `tables` has the names of the tables that they can apply.
 ///
 /// An equation that cannot be read may define an auxiliary quantity. The name on its left side is added to the unread
@@ -221,13 +224,16 @@ pub(super) fn equations(
     };
     let mut equations = Vec::new();
     for item in items {
-        match (equation_with_tables(item, "equations", tables, findings), &item.value) {
-            (Some(equation), _) => equations.push(equation),
-            (None, Content::Text(text)) => {
+        let Content::Text(text) = &item.value else {
+            findings.push(wrong_type(item, "equations", "a text", &item.value).hint(EQUATIONS_HINT));
+            continue;
+        };
+        match equation_with_tables(item, "equations", tables, findings) {
+            Some(equation) => equations.push(equation),
+            None => {
                 let left = text.split('=').next().unwrap_or_default();
                 unread.insert(left.trim().to_owned());
             }
-            (None, _) => {}
         }
     }
     equations

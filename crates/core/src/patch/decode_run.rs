@@ -27,7 +27,10 @@ use crate::document::{
 
 /// Decodes the section "run". Parts that cannot be read are absent in the plan.
 pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
-    let Some(mut fields) = Fields::of(node, "\"run\"", findings) else { return RunPlan::default() };
+    let hint = Some("write \"run\": {\"for\": 10, \"step\": 0.01}, with the times in s".to_owned());
+    let Some(mut fields) = Fields::of_with_hint(node, "\"run\"", hint, findings) else {
+        return RunPlan::default();
+    };
     let mut plan = RunPlan {
         duration: positive(&mut fields, "for", findings),
         step: positive(&mut fields, "step", findings),

@@ -7,6 +7,7 @@ use patchcord_core::ir::Program;
 use patchcord_expr::{Equation, split_primes};
 
 use super::delays::with_delay_times;
+use super::expansions::TimeLaws;
 use super::intended::fraction;
 use super::model::{Model, Obstacle};
 use super::numerical::Difference;
@@ -21,8 +22,13 @@ pub(super) struct Comparison<'a> {
     program: &'a Program,
     /// Values of the coefficients of the program.
     coefficients: Vec<f64>,
+    /// Length of the run in seconds.
+    duration: f64,
     pub model: Model<'a>,
 }
+
+/// Length of a run that the patch does not state, in seconds.
+const DURATION: f64 = 10.0;
 
 /// The outcome of a comparison.
 pub(super) enum Outcome {
@@ -80,21 +86,22 @@ impl<'a> Comparison<'a> {
     /// within their range.
     pub(super) fn new(circuit: &'a Circuit, program: &'a Program, stays_in_range: bool) -> Self {
         let model = Model::new(circuit, program, stays_in_range);
-        Comparison { circuit, program, coefficients: program.coefficient_values(), model }
+        let duration = circuit.run_plan().duration.as_ref().map_or(DURATION, |duration| duration.value);
+        Comparison { circuit, program, coefficients: program.coefficient_values(), duration, model }
     }
 
-    /// Whether the wiring solves an equation. It may name drives or write out their laws of time.
+    /// Whether the wiring solves an equation. It may name drives and ramps, or write out their laws of time.
     pub(super) fn outcome(&mut self, equation: &Equation) -> Result<Outcome, Obstacle> {
         self.model.limited.clear();
-        let found = self.outcome_with_drives(equation);
+        // A ramp of the wiring can stand for the time of the equation.
+        let ramps = self.model.has_ramps() && self.model.is_explicit_in_time(equation);
+        let found = self.outcome_with(TimeLaws { drives: false, ramps }, equation);
         if matches!(found, Ok(Outcome::Solved | Outcome::SolvedAt(_)))
             || self.circuit.patch().drives.is_empty()
         {
             return found;
         }
-        self.model.expands_drives = true;
-        let expanded = self.outcome_with_drives(equation);
-        self.model.expands_drives = false;
+        let expanded = self.outcome_with(TimeLaws { drives: true, ramps }, equation);
         // A drive that is 0 at present would hide a cord that is missing, so equality for the present parameters is not
         // enough here.
         match (&found, &expanded) {
@@ -103,8 +110,16 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Whether the wiring solves an equation, with drives as the model takes them.
-    fn outcome_with_drives(&mut self, equation: &Equation) -> Result<Outcome, Obstacle> {
+    /// Whether the wiring solves an equation in which these quantities are expanded into their laws of time.
+    fn outcome_with(&mut self, time_laws: TimeLaws, equation: &Equation) -> Result<Outcome, Obstacle> {
+        self.model.set_time_laws(time_laws);
+        let found = self.outcome_in_model(equation);
+        self.model.set_time_laws(TimeLaws::default());
+        found
+    }
+
+    /// Whether the wiring solves an equation, with drives and ramps as the model takes them.
+    fn outcome_in_model(&mut self, equation: &Equation) -> Result<Outcome, Obstacle> {
         if let Some(initial) = equation.initial_quantity() {
             return self.initial_outcome(equation, initial);
         }
@@ -269,7 +284,7 @@ impl<'a> Comparison<'a> {
         let base = split_primes(name).0;
         let patch = self.circuit.patch();
         patch.signals.contains_key(base)
-            || (self.model.expands_drives && patch.drives.contains_key(base))
+            || (self.model.expands_drives() && patch.drives.contains_key(base))
             || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
     }
 
@@ -316,7 +331,7 @@ impl<'a> Comparison<'a> {
     /// A point with these values of the parameters.
     fn point(&self, parameters: ParameterValues) -> Point<'_> {
         let (system, program, coefficients) = (&self.model.system, self.program, &self.coefficients);
-        Point { system, program, coefficients, parameters, index: 0 }
+        Point { system, program, coefficients, parameters, duration: self.duration, index: 0 }
     }
 
     /// The outcome for two sides that are equal for the present values of the parameters: also for others, or not.

@@ -4,6 +4,15 @@ use std::collections::{HashMap, HashSet};
 
 use crate::symbolic::{Fraction, Symbol};
 
+/// Which quantities are expanded into their laws of time. Otherwise they are quantities of their own.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TimeLaws {
+    /// Whether drives are.
+    pub drives: bool,
+    /// Whether ramps are.
+    pub ramps: bool,
+}
+
 /// The expansions that are in progress, and those that are known.
 #[derive(Debug, Default)]
 pub(super) struct Expansions {
@@ -20,8 +29,8 @@ struct Expansion {
     value: Fraction,
     /// What it has met.
     trace: Trace,
-    /// Whether drives were expanded.
-    expands_drives: bool,
+    /// What was expanded into laws of time.
+    time_laws: TimeLaws,
 }
 
 /// What an expansion has met. It has the same result again if it meets the same.
@@ -56,9 +65,9 @@ impl Expansions {
         &mut self,
         symbol: Symbol,
         kept: &HashSet<Symbol>,
-        expands_drives: bool,
+        time_laws: TimeLaws,
     ) -> Option<Fraction> {
-        let known = self.known.get(&symbol).filter(|known| known.expands_drives == expands_drives)?;
+        let known = self.known.get(&symbol).filter(|known| known.time_laws == time_laws)?;
         let Trace { expanded, stopped } = &known.trace;
         let is_cut =
             kept.iter().chain(self.open.iter().map(|(open, _)| open)).any(|end| expanded.contains(end));
@@ -77,14 +86,14 @@ impl Expansions {
     }
 
     /// Ends the expansion that was begun last.
-    pub(super) fn end(&mut self, value: &Fraction, expands_drives: bool) {
+    pub(super) fn end(&mut self, value: &Fraction, time_laws: TimeLaws) {
         let Some((symbol, mut trace)) = self.open.pop() else { return };
         trace.expanded.insert(symbol);
         trace.stopped.remove(&symbol);
         if let Some((_, outer)) = self.open.last_mut() {
             outer.extend(&trace);
         }
-        self.known.insert(symbol, Expansion { value: value.clone(), trace, expands_drives });
+        self.known.insert(symbol, Expansion { value: value.clone(), trace, time_laws });
     }
 
     /// Whether a quantity is being expanded.
@@ -98,14 +107,17 @@ mod tests {
     use super::*;
     use crate::testing::symbol;
 
+    /// No laws of time.
+    const FREE: TimeLaws = TimeLaws { drives: false, ramps: false };
+
     /// Expands x, which reads y, which reads x. The result of x is 1, and that of y is 2.
     fn expand_circle(expansions: &mut Expansions) {
         let [x, y] = ["x", "y"].map(symbol);
         expansions.begin(x);
         expansions.begin(y);
         assert!(expansions.stops_at(x, &HashSet::new()));
-        expansions.end(&Fraction::whole(2), false);
-        expansions.end(&Fraction::whole(1), false);
+        expansions.end(&Fraction::whole(2), FREE);
+        expansions.end(&Fraction::whole(1), FREE);
     }
 
     #[test]
@@ -114,16 +126,17 @@ mod tests {
         let (one, two) = (Some(Fraction::whole(1)), Some(Fraction::whole(2)));
         let mut expansions = Expansions::default();
         expand_circle(&mut expansions);
-        assert_eq!(expansions.known(x, &none, false), one);
-        assert_eq!(expansions.known(x, &HashSet::from([z]), false), one);
+        assert_eq!(expansions.known(x, &none, FREE), one);
+        assert_eq!(expansions.known(x, &HashSet::from([z]), FREE), one);
         // The expansion of y stopped at x.
-        assert_eq!(expansions.known(y, &none, false), None);
-        assert_eq!(expansions.known(y, &HashSet::from([x]), false), two);
-        // The expansion of x expanded y and no drives.
-        assert_eq!(expansions.known(x, &HashSet::from([y]), false), None);
-        assert_eq!(expansions.known(x, &none, true), None);
+        assert_eq!(expansions.known(y, &none, FREE), None);
+        assert_eq!(expansions.known(y, &HashSet::from([x]), FREE), two);
+        // The expansion of x expanded y and no laws of time.
+        assert_eq!(expansions.known(x, &HashSet::from([y]), FREE), None);
+        assert_eq!(expansions.known(x, &none, TimeLaws { drives: true, ..FREE }), None);
+        assert_eq!(expansions.known(x, &none, TimeLaws { ramps: true, ..FREE }), None);
         expansions.begin(y);
-        assert_eq!(expansions.known(x, &none, false), None);
+        assert_eq!(expansions.known(x, &none, FREE), None);
     }
 
     #[test]
@@ -132,9 +145,9 @@ mod tests {
         let mut expansions = Expansions::default();
         expand_circle(&mut expansions);
         expansions.begin(z);
-        assert!(expansions.known(x, &none, false).is_some());
-        expansions.end(&Fraction::whole(3), false);
-        assert_eq!(expansions.known(z, &none, false), Some(Fraction::whole(3)));
-        assert_eq!(expansions.known(z, &HashSet::from([y]), false), None);
+        assert!(expansions.known(x, &none, FREE).is_some());
+        expansions.end(&Fraction::whole(3), FREE);
+        assert_eq!(expansions.known(z, &none, FREE), Some(Fraction::whole(3)));
+        assert_eq!(expansions.known(z, &HashSet::from([y]), FREE), None);
     }
 }

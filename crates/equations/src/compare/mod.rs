@@ -109,6 +109,11 @@ pub fn compare_equations(circuit: &Circuit, program: &Program) -> Vec<ComparedEq
     (0..circuit.equations().len()).map(compared).collect()
 }
 
+/// Whether the equations of a patch name the time.
+pub(crate) fn names_time(circuit: &Circuit) -> bool {
+    circuit.equations().iter().any(|placed| placed.value.names().contains(&"t"))
+}
+
 /// Compares single equations of a circuit with its wiring. The equations of the wiring are derived once.
 pub(crate) struct EquationComparer<'a> {
     circuit: &'a Circuit,
@@ -180,7 +185,8 @@ impl<'a> EquationComparer<'a> {
         let numerical = self.numerical.get_or_insert_with(|| Numerical::new(circuit, program));
         let is_readable =
             found.as_ref().is_ok_and(|(outcome, _)| self.exact.has_readable_terms(equation, outcome));
-        let outcome = match numerical.verdict(equation) {
+        let is_timed = self.exact.model.is_explicit_in_time(equation);
+        let outcome = match numerical.verdict(equation, is_timed) {
             Verdict::Equal(states) => Outcome::SolvedNumerically(states),
             Verdict::EqualAt(names) => Outcome::SolvedAt(names),
             Verdict::Near(share) => {

@@ -5,11 +5,13 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
-use patchcord_expr::{Expression, Node};
+use patchcord_expr::{Equation, Expression, Node};
 
-use super::expansions::Expansions;
+use super::expansions::{Expansions, TimeLaws};
 use super::intended::fraction;
-use crate::derive::{Law, LawKind, ModeLaw, Options, System, Wiring, derive, simplified};
+use crate::derive::{
+    Law, LawKind, ModeLaw, Options, System, Wiring, derive, ramps, simplified, without_unnamed_ramps,
+};
 use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
 
 /// A wiring with the quantities that its equations can name.
@@ -22,8 +24,12 @@ pub(crate) struct Model<'a> {
     auxiliaries: HashMap<&'a str, &'a Node>,
     /// The quantities that are being expanded, and those that were.
     expansions: Expansions,
-    /// Whether drives are expanded into their laws of time too.
-    pub expands_drives: bool,
+    /// The ramps as functions of time.
+    ramps: HashMap<Symbol, Fraction>,
+    /// Which of drives and ramps are expanded into their laws of time too.
+    time_laws: TimeLaws,
+    /// The number of laws that were derived from the wiring. Those of derivatives follow.
+    derived_laws: usize,
     /// The states with limits whose rates were used.
     pub limited: BTreeSet<Symbol>,
     /// Whether all quantities are expressed by outputs of the program, for their values at a point. Then the outputs of
@@ -50,7 +56,7 @@ impl<'a> Model<'a> {
         let patch = circuit.patch();
         let is_known = |name: &str| patch.signals.contains_key(name) || patch.drives.contains_key(name);
         let wiring = wiring(circuit, program, stays_in_range);
-        Self::of_system(circuit, simplified(wiring, &is_known))
+        Self::of_system(circuit, without_unnamed_ramps(simplified(wiring, &is_known), &is_known))
     }
 
     /// The same for values at a point: all symbols are outputs of the program. `read` gets the symbols of the outputs.
@@ -68,6 +74,8 @@ impl<'a> Model<'a> {
 
     /// The model of a system that was derived from a circuit.
     fn of_system(circuit: &'a Circuit, mut system: System) -> Self {
+        // A reset ends a ramp, so they are found before free motion is assumed.
+        let ramps = ramps(&system);
         let free: HashMap<Symbol, Fraction> =
             system.modes.iter().filter_map(|mode| Some((mode.symbol, value_in_motion(mode)?))).collect();
         for law in &mut system.laws {
@@ -78,11 +86,13 @@ impl<'a> Model<'a> {
             });
         }
         Model {
+            derived_laws: system.laws.len(),
             system,
             patch: circuit.patch(),
             auxiliaries: auxiliaries(circuit),
             expansions: Expansions::default(),
-            expands_drives: false,
+            ramps,
+            time_laws: TimeLaws::default(),
             limited: BTreeSet::new(),
             is_evaluated: false,
         }
@@ -146,17 +156,43 @@ impl<'a> Model<'a> {
         self.quantity(base, primes, kept)
     }
 
+    /// Chooses what is expanded into laws of time. The laws of derivatives of quantities without a formula depend on it.
+    pub(super) fn set_time_laws(&mut self, time_laws: TimeLaws) {
+        if time_laws != self.time_laws {
+            self.system.laws.truncate(self.derived_laws);
+            self.time_laws = time_laws;
+        }
+    }
+
+    /// Whether a state is a ramp.
+    pub(super) fn is_ramp(&self, state: Symbol) -> bool {
+        self.ramps.contains_key(&state)
+    }
+
+    /// Whether an equation names the time, or a side of it contains the time.
+    pub(super) fn is_explicit_in_time(&mut self, equation: &Equation) -> bool {
+        let none = HashSet::new();
+        equation.names().contains(&"t")
+            || [equation.left(), equation.right()].into_iter().any(|side| {
+                let value = fraction(side, &mut |name| self.named(name, &none));
+                value.is_ok_and(|value| self.contains_time(&value))
+            })
+    }
+
     /// A symbol as a function of states, drives, time and parameters.
     fn expanded(&mut self, symbol: Symbol, kept: &HashSet<Symbol>) -> Fraction {
         if self.expansions.stops_at(symbol, kept) {
             return Fraction::symbol(symbol);
         }
-        if let Some(known) = self.expansions.known(symbol, kept, self.expands_drives) {
+        if let Some(known) = self.expansions.known(symbol, kept, self.time_laws) {
             return known;
         }
         let (value, time) = match self.system.law(symbol) {
             Some(LawKind::Definition(value)) => (value.clone(), None),
-            Some(LawKind::Drive(value)) if self.expands_drives => (value.clone(), None),
+            Some(LawKind::Drive(value)) if self.time_laws.drives => (value.clone(), None),
+            Some(LawKind::State { .. }) if self.time_laws.ramps && self.ramps.contains_key(&symbol) => {
+                (self.ramps[&symbol].clone(), None)
+            }
             Some(LawKind::Delay { input, time, .. }) if !self.is_evaluated => {
                 (input.clone(), Some(time.clone()))
             }
@@ -168,7 +204,7 @@ impl<'a> Model<'a> {
             Some(time) => delay(&value, &time),
             None => value,
         };
-        self.expansions.end(&value, self.expands_drives);
+        self.expansions.end(&value, self.time_laws);
         value
     }
 
@@ -266,6 +302,21 @@ impl<'a> Model<'a> {
 }
 
 impl Model<'_> {
+    /// Whether drives are expanded into their laws of time.
+    pub(super) fn expands_drives(&self) -> bool {
+        self.time_laws.drives
+    }
+
+    /// Whether the wiring has ramps with a name.
+    pub(super) fn has_ramps(&self) -> bool {
+        !self.ramps.is_empty()
+    }
+
+    /// Whether an expression contains the time.
+    fn contains_time(&self, value: &Fraction) -> bool {
+        value.contains(&mut |symbol| self.system.symbols.entry(symbol).kind == SymbolKind::Time)
+    }
+
     /// The name of a quantity in an expression that is no parameter.
     fn first_variable(&self, value: &Fraction) -> Option<String> {
         let mut found = None;

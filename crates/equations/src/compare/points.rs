@@ -24,6 +24,8 @@ pub(super) struct Point<'a> {
     pub coefficients: &'a [f64],
     /// Values of the parameters.
     pub parameters: ParameterValues,
+    /// Length of the run in seconds. All times are within it, so that motions that decay have not died out.
+    pub duration: f64,
     /// Index of the point.
     pub index: u32,
 }
@@ -105,7 +107,7 @@ impl Values for Point<'_> {
         match self.system.symbols.entry(symbol).kind {
             SymbolKind::Pi => std::f64::consts::PI,
             SymbolKind::Parameter(index) => self.parameters.value(self.program, index),
-            SymbolKind::Time => f64::from(self.index) / 7.0,
+            SymbolKind::Time => self.duration * golden_place(u64::from(self.index).pow(2)),
             SymbolKind::Variable | SymbolKind::Held => self.variable(symbol),
         }
     }

@@ -46,7 +46,7 @@ impl Simplification<'_> {
                 Some(value) if !value.contains(&mut |symbol| symbol == mode.symbol) => {
                     let symbol = mode.symbol;
                     self.system.modes.remove(index);
-                    self.replace(symbol, &value);
+                    self.system.replace(symbol, &value);
                 }
                 _ => index += 1,
             }
@@ -64,7 +64,7 @@ impl Simplification<'_> {
         let found: Vec<_> = self.system.laws.iter().filter_map(pulses).collect();
         for (symbol, value) in found {
             self.system.laws.retain(|law| law.of != symbol);
-            self.replace(symbol, &value);
+            self.system.replace(symbol, &value);
         }
     }
 
@@ -77,7 +77,7 @@ impl Simplification<'_> {
             let value = delay(input, time);
             if !value.contains(&mut |other| other == symbol) {
                 self.system.laws.retain(|law| law.of != symbol);
-                self.replace(symbol, &value);
+                self.system.replace(symbol, &value);
             }
         }
     }
@@ -147,7 +147,7 @@ impl Simplification<'_> {
                 (*of, *to) = (*signal, to.times(factor).plus(rest));
             }
         }
-        self.replace(*state, &value);
+        self.system.replace(*state, &value);
     }
 
     /// The derivative of an expression of drives and constants with respect to time.
@@ -194,23 +194,6 @@ impl Simplification<'_> {
         let prime = self.system.symbols.derivative(signal);
         self.rename(&Relation { signal: prime, state, factor, rest });
         true
-    }
-
-    /// Replaces a symbol everywhere.
-    fn replace(&mut self, symbol: Symbol, by: &Fraction) {
-        let replaced = |fraction: &mut Fraction| {
-            if fraction.contains(&mut |other| other == symbol) {
-                *fraction = fraction.mapped(&mut |other| {
-                    if other == symbol { by.clone() } else { Fraction::symbol(other) }
-                });
-            }
-        };
-        self.system.laws.iter_mut().for_each(|law| law.kind.for_each_mut(&mut |value| replaced(value)));
-        self.system.margins.iter_mut().for_each(replaced);
-        for transition in self.system.modes.iter_mut().flat_map(|mode| &mut mode.transitions) {
-            replaced(&mut transition.guard);
-            transition.reset.iter_mut().for_each(|(_, to)| replaced(to));
-        }
     }
 }
 

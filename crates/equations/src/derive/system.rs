@@ -199,4 +199,24 @@ impl System {
     pub(crate) fn law(&self, of: Symbol) -> Option<&LawKind> {
         self.laws.iter().find(|law| law.of == of).map(|law| &law.kind)
     }
+
+    /// Replaces a quantity in all laws and modes by an expression. Returns whether any contains it.
+    pub(crate) fn replace(&mut self, symbol: Symbol, by: &Fraction) -> bool {
+        let mut is_found = false;
+        let mut replaced = |fraction: &mut Fraction| {
+            if fraction.contains(&mut |other| other == symbol) {
+                is_found = true;
+                *fraction = fraction.mapped(&mut |other| {
+                    if other == symbol { by.clone() } else { Fraction::symbol(other) }
+                });
+            }
+        };
+        self.laws.iter_mut().for_each(|law| law.kind.for_each_mut(&mut replaced));
+        self.margins.iter_mut().for_each(&mut replaced);
+        for transition in self.modes.iter_mut().flat_map(|mode| &mut mode.transitions) {
+            replaced(&mut transition.guard);
+            transition.reset.iter_mut().for_each(|(_, to)| replaced(to));
+        }
+        is_found
+    }
 }

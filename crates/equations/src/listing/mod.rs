@@ -9,7 +9,7 @@ mod tables;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 
-use crate::derive::{Options, derive, simplified};
+use crate::derive::{Options, derive, simplified, without_unnamed_ramps};
 use crate::notation::{LINE_WIDTH, Notation, WrittenEquation, aligned, latex, text};
 use crate::writing::Writer;
 pub use document::{InitialDocument, ListingDocument};
@@ -85,7 +85,7 @@ impl EquationListing {
         let is_known = |name: &str| {
             keeps_elements || patch.signals.contains_key(name) || patch.drives.contains_key(name)
         };
-        let system = simplified(wiring, &is_known);
+        let system = without_unnamed_ramps(simplified(wiring, &is_known), &is_known);
         let lister = Lister { patch, writer: Writer::new(circuit, &system), system: &system };
         lister.listing()
     }

@@ -3,11 +3,11 @@
 use patchcord_core::document::{Code, Diagnostic, Report, format_number};
 use patchcord_core::patch::Problem;
 use patchcord_core::solve::RunError;
-use patchcord_expr::split_primes;
 
 use super::evaluator::MAX_EVALUATIONS;
 use crate::findings::codes;
-use crate::graph::Plan;
+use crate::graph::{NodeId, Plan};
+use crate::positions::{node_span, run_length_span};
 
 /// Why a plan has no ranges.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,15 +55,20 @@ impl Fault {
         Fault::Node { kind, node, time }
     }
 
-    /// The fault as a diagnostic, at the quantity of the problem if there is one.
+    /// The fault as a diagnostic: at the quantity of the problem, or at the length of the run.
     pub(super) fn diagnostic(self, plan: &Plan, problem: &Problem) -> Diagnostic {
+        let finding = self.text(plan, problem);
+        let span = finding.span.or_else(|| run_length_span(problem));
+        Diagnostic { span, ..finding }
+    }
+
+    /// The fault as a diagnostic. It has no position if the fault is not at a quantity.
+    fn text(self, plan: &Plan, problem: &Problem) -> Diagnostic {
         match self {
             Fault::Node { kind, node, time } => {
                 let name = &plan.nodes[node].name;
                 let (code, message, hint) = kind.text(name, &format!("t = {} s", format_number(time)));
-                let quantity =
-                    problem.quantities.get(name).or_else(|| problem.quantities.get(split_primes(name).0));
-                let span = quantity.map(|quantity| quantity.span);
+                let span = node_span(plan, problem, NodeId(node as u32));
                 Diagnostic { code, span, message, hint: Some(hint.to_owned()) }
             }
             Fault::TooLong { time } => {

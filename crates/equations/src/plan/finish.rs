@@ -12,6 +12,7 @@ use super::constants::Constants;
 use super::simplify::{Simplified, simplified};
 use crate::graph::{Node, NodeId, Operation, Plan, PlannedQuantity, Sum};
 use crate::peaks::{StartError, StartValues, start_values};
+use crate::positions::quantity_span;
 use crate::symbolic::Fraction;
 
 /// The nodes of a plan before equal ones are joined.
@@ -58,7 +59,7 @@ impl Draft<'_> {
             let start = start.map_err(|error| vec![self.without_start(&plan.nodes, &equations, error)])?;
             orient(&mut plan.nodes, &start)
                 .map_err(|node| vec![self.unsolved(&plan.nodes, &equations, node)])?;
-            set_other_delays(&mut plan.nodes, &start).map_err(|name| vec![infinite(&name)])?;
+            set_other_delays(&mut plan.nodes, &start).map_err(|name| vec![infinite(self.problem, &name)])?;
         }
         Ok(plan)
     }
@@ -112,7 +113,10 @@ impl Draft<'_> {
                     FormulaError { range, message, hint: Some(hint) },
                 )
             }
-            None => Diagnostic::without_span(Code::BAD_FORMULA, message).hint(hint),
+            None => {
+                let span = quantity_span(self.problem, name);
+                Diagnostic { code: Code::BAD_FORMULA, span, message, hint: Some(hint) }
+            }
         }
     }
 }
@@ -193,8 +197,8 @@ fn set_other_delays(nodes: &mut [Node], start: &StartValues) -> Result<(), Strin
 }
 
 /// The fault of a delayed node without a value at the start.
-fn infinite(name: &str) -> Diagnostic {
+fn infinite(problem: &Problem, name: &str) -> Diagnostic {
     let message = format!("the value of {name} at the start is not finite, and a delay needs it");
     let hint = format!("choose initial values for which {name} has a value");
-    Diagnostic::without_span(Code::NOT_FINITE, message).hint(hint)
+    Diagnostic { code: Code::NOT_FINITE, span: quantity_span(problem, name), message, hint: Some(hint) }
 }

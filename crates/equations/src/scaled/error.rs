@@ -12,7 +12,7 @@ pub enum ScaleError {
     #[error(transparent)]
     Problem(Box<Report>),
     /// The circuit of the problem cannot be computed, for example because a loop has several solutions. The positions
-    /// are those of the built patch.
+    /// are those of the built patch. [`scale_problem`](super::scale_problem) returns these faults as those of the problem.
     #[error("the circuit of the problem cannot be computed:\n{0}")]
     Circuit(Box<Report>),
     /// The settings of the run are invalid.

@@ -4,6 +4,7 @@
 //! If an amplifier then peaks below 50 V or above 95 V, the scales change and the patch is built again. At the end, the
 //! ranges of the parameters are narrowed to those in which all settings are valid.
 
+mod built_patch;
 mod error;
 mod measured;
 mod narrowing;
@@ -20,6 +21,7 @@ use crate::peaks::ranges;
 use crate::plan::plan;
 pub use crate::synthesis::ScaleOptions;
 use crate::synthesis::{GainStep, choose_scales, improved_scales, synthesise};
+use built_patch::BuiltPatch;
 pub use error::ScaleError;
 use measured::measured_peaks;
 pub use narrowing::NarrowedRange;
@@ -49,6 +51,8 @@ pub struct ScaledProblem {
     /// The parameters whose ranges are narrower in the patch than in the problem, in the order of the patch. Outside of
     /// them a pot would be above 1 or negative, for example.
     pub narrowed_ranges: Vec<NarrowedRange>,
+    /// The warnings about the patch, at the quantities of the problem.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// Turns a problem into a patch with scales, gains and pots.
@@ -71,7 +75,9 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
         let synthesis =
             synthesise(&plan, problem, &circuit, &ranges, &scales, options).map_err(in_problem)?;
         let names: Vec<&str> = synthesis.outputs.iter().map(|(_, name)| name.as_str()).collect();
-        let volts = measured_peaks(&synthesis.patch, &names)?;
+        let built = BuiltPatch { plan: &plan, problem, outputs: &synthesis.outputs, patch: &synthesis.patch };
+        let volts =
+            measured_peaks(&synthesis.patch, &names).map_err(|error| built.fault_of_problem(error))?;
         runs += 1;
         let by_node: Vec<_> =
             synthesis.outputs.iter().map(|(id, _)| *id).zip(volts.iter().copied()).collect();
@@ -85,9 +91,9 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
                 synthesis: &synthesis,
                 volts: &volts,
             };
-            let overloads = overloads(&tables);
+            let overloads = overloads(&tables, &built);
             return if overloads.is_empty() {
-                scaled_problem(&tables, runs)
+                scaled_problem(&tables, &built, runs)
             } else {
                 Err(in_problem(overloads))
             };
@@ -97,16 +103,14 @@ pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<Scaled
 }
 
 /// A fault for each output that exceeds the reference voltage, whatever its scale.
-fn overloads(tables: &Tables<'_>) -> Vec<Diagnostic> {
+fn overloads(tables: &Tables<'_>, built: &BuiltPatch<'_>) -> Vec<Diagnostic> {
     let over = tables.peaks().into_iter().filter(|peak| peak.volts > REFERENCE);
     let fault = |OutputPeak { output, quantity, volts, .. }: OutputPeak| {
         let message = format!("{quantity} has no scale: {output} would need {volts:.0} V");
         let hint =
             format!("write the equation of {quantity} in another form, or give {quantity} a \"maximum\"");
-        match tables.problem.quantities.get(&quantity) {
-            Some(declared) => Diagnostic::at(codes::NO_CIRCUIT, declared.span, message).hint(hint),
-            None => Diagnostic::without_span(codes::NO_CIRCUIT, message).hint(hint),
-        }
+        let span = built.span_of(&output);
+        Diagnostic { code: codes::NO_CIRCUIT, span, message, hint: Some(hint) }
     };
     over.map(fault).collect()
 }
@@ -115,11 +119,21 @@ fn overloads(tables: &Tables<'_>) -> Vec<Diagnostic> {
 ///
 /// # Errors
 /// If the patch cannot be wired.
-fn scaled_problem(tables: &Tables<'_>, runs: usize) -> Result<ScaledProblem, ScaleError> {
-    let (patch, narrowed_ranges) = with_narrowed_ranges(&tables.synthesis.patch)?;
+fn scaled_problem(
+    tables: &Tables<'_>,
+    built: &BuiltPatch<'_>,
+    runs: usize,
+) -> Result<ScaledProblem, ScaleError> {
+    let narrowed = with_narrowed_ranges(built.patch).map_err(|error| built.fault_of_problem(error));
+    let (patch, narrowed_ranges) = narrowed?;
+    let fault = |report| built.fault_of_problem(ScaleError::Circuit(report));
+    let found = Circuit::new(&patch).map_err(fault)?.warnings();
+    let written =
+        BuiltPatch { plan: built.plan, problem: built.problem, outputs: built.outputs, patch: &patch };
+    let warnings = found.findings.iter().map(|finding| written.in_problem(finding)).collect();
     let steps = tables.synthesis.steps.iter().map(GainStep::text).collect();
     let (quantities, peaks, time_scale) = (tables.quantities(), tables.peaks(), tables.scales.time_scale);
-    Ok(ScaledProblem { patch, quantities, peaks, steps, time_scale, runs, narrowed_ranges })
+    Ok(ScaledProblem { patch, quantities, peaks, steps, time_scale, runs, narrowed_ranges, warnings })
 }
 
 #[cfg(test)]

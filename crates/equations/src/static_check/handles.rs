@@ -1,11 +1,14 @@
 //! The quantities by which a reader knows the states: signals, or derivatives of signals, that are a constant times the
 //! output of an integrator or a lag, apart from drives.
 
+use std::collections::HashMap;
+
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::split_primes;
 
-use crate::derive::{Law, LawKind, Options, System, derive, simplified};
+use crate::compare::names_time;
+use crate::derive::{Law, LawKind, Options, System, derive, ramps, simplified};
 use crate::notation::primed;
 use crate::symbolic::{Fraction, Symbol, partial_derivative};
 
@@ -28,13 +31,29 @@ impl Handle {
 /// For every state, in the order of the program, the quantities that determine it. Those that the equations name come
 /// first.
 pub(super) fn handles(circuit: &Circuit, program: &Program) -> Vec<Vec<Handle>> {
+    let system = system(circuit, program);
+    states(&system).map(|state| of_state(circuit, &system, state)).collect()
+}
+
+/// For every state, in the order of the program, whether it follows the time: it is a ramp, and the equations contain
+/// the time. The time of test values is 0.
+pub(super) fn timed_states(circuit: &Circuit, program: &Program) -> Vec<bool> {
+    let system = system(circuit, program);
+    let ramps = if names_time(circuit) { ramps(&system) } else { HashMap::new() };
+    states(&system).map(|state| ramps.contains_key(&state)).collect()
+}
+
+/// The equations of a circuit in the names of the patch.
+fn system(circuit: &Circuit, program: &Program) -> System {
     let options = Options { keeps_elements: false, has_ideal_amplifiers: true, stays_in_range: false };
     let patch = circuit.patch();
     let is_known = |name: &str| patch.signals.contains_key(name) || patch.drives.contains_key(name);
-    let system = simplified(derive(circuit, program, options), &is_known);
-    // Names change in the derivation, but the laws of states stay in the order of the program.
-    let states = system.laws.iter().filter(|law| matches!(law.kind, LawKind::State { .. }));
-    states.map(|law| of_state(circuit, &system, law.of)).collect()
+    simplified(derive(circuit, program, options), &is_known)
+}
+
+/// The states. Names change in the derivation, but the laws of states stay in the order of the program.
+fn states(system: &System) -> impl Iterator<Item = Symbol> {
+    system.laws.iter().filter(|law| matches!(law.kind, LawKind::State { .. })).map(|law| law.of)
 }
 
 /// The quantities that determine a state.

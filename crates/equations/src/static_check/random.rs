@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, Register};
 
+use super::handles::timed_states;
 use super::test_point::{TestError, fixed_reason, initial, wired_at};
 use super::wired::Wired;
 use crate::operating_point::{Numbers, is_in_range, largest_demand, settled_point, state_limits};
@@ -30,11 +31,12 @@ pub(super) fn random<'a>(
 ) -> Result<Wired<'a>, TestError> {
     let start = initial(circuit, program)?;
     let drives = if fixed_reason(&start).is_none() { program.drive_registers() } else { &[] };
+    let is_timed = timed_states(circuit, program);
     let mut numbers = Numbers::new(seed);
     let mut first = None;
     for _ in 0..ATTEMPTS {
         let shares = Shares {
-            states: program.state_laws().iter().map(|_| numbers.share()).collect(),
+            states: is_timed.iter().map(|is_timed| (!is_timed).then(|| numbers.share())).collect(),
             drives: drives.iter().map(|register| (*register, numbers.share())).collect(),
         };
         if let Some(wired) = scaled(&start, &shares) {
@@ -49,7 +51,8 @@ pub(super) fn random<'a>(
 
 /// Random numbers from -1 to 1 for every state and drive.
 struct Shares {
-    states: Vec<f64>,
+    /// `None` for a state that follows the time, which is 0.
+    states: Vec<Option<f64>>,
     drives: Vec<(Register, f64)>,
 }
 
@@ -74,8 +77,10 @@ fn scaled<'a>(start: &Wired<'a>, shares: &Shares) -> Option<Wired<'a>> {
 /// The machine at voltages of these shares of a size, within the limits of the states.
 fn at_size<'a>(start: &Wired<'a>, shares: &Shares, size: f64) -> Option<Wired<'a>> {
     let limits = state_limits(start.program, &start.point);
-    let states = shares.states.iter().zip(limits);
-    let states: Vec<f64> = states.map(|(share, [low, high])| (share * size).max(low).min(high)).collect();
+    let states = shares.states.iter().zip(&start.point.states).zip(limits);
+    let states = states
+        .map(|((share, first), [low, high])| share.map_or(*first, |share| share * size).max(low).min(high));
+    let states: Vec<f64> = states.collect();
     let given: BTreeMap<Register, f64> =
         shares.drives.iter().map(|(register, share)| (*register, share * size)).collect();
     let point = settled_point(start.program, &states).ok()?;

@@ -9,9 +9,10 @@ use patchcord_core::ir::{Program, ProgramPoint, Register};
 use patchcord_core::solve::RunError;
 use patchcord_expr::{Unit, split_primes};
 
-use super::handles::Handle;
+use super::handles::{Handle, timed_states};
 use super::stated::aliases;
 use super::wired::Wired;
+use crate::compare::names_time;
 use crate::operating_point::{has_switches, initial_point, settled_point};
 
 /// The values at which a static check is made.
@@ -23,7 +24,7 @@ pub enum TestValues {
     /// are as in the initial condition.
     Given(Vec<(String, f64)>),
     /// Random values of all integrators, lags and drives, by a seed. They are scaled down until no amplifier exceeds
-    /// 80 V.
+    /// 80 V. If the equations contain the time, drives and ramps keep their values at t = 0.
     Random(u64),
 }
 
@@ -52,8 +53,8 @@ pub enum TestError {
         /// The second name.
         second: String,
     },
-    /// The drive keeps its value at t = 0.
-    FixedDrive {
+    /// The quantity keeps its value at t = 0: it is a drive, or it is a linear function of time in the wiring.
+    Fixed {
         /// Its name.
         name: String,
         /// The reason, as a clause.
@@ -77,7 +78,7 @@ impl fmt::Display for TestError {
             TestError::Twice { first, second } => {
                 write!(out, "{first} and {second} set the same output; give one of them")
             }
-            TestError::FixedDrive { name, reason } => {
+            TestError::Fixed { name, reason } => {
                 write!(out, "{name} keeps its value at t = 0, because {reason}")
             }
             TestError::NoVoltages(reason) => write!(out, "no voltages at these values: {reason}"),
@@ -144,9 +145,13 @@ pub(super) fn given<'a>(
     values: &[(String, f64)],
 ) -> Result<Wired<'a>, TestError> {
     let mut wired = initial(circuit, program)?;
+    let is_timed = timed_states(circuit, program);
     let mut targets: Vec<(&str, f64, Target)> = Vec::new();
     for (name, value) in values {
         let target = target(&wired, handles, name)?;
+        if matches!(target, Target::State(index, _) if is_timed[index]) {
+            return Err(TestError::Fixed { name: name.clone(), reason: TIMED });
+        }
         if let Some((first, ..)) = targets.iter().find(|(_, _, other)| sets_same(other, &target)) {
             return Err(TestError::Twice { first: (*first).to_owned(), second: name.clone() });
         }
@@ -183,7 +188,7 @@ fn target(wired: &Wired<'_>, handles: &[Vec<Handle>], name: &str) -> Result<Targ
         return Err(TestError::Unknown { name: name.to_owned(), hint: suggestion(name, &known) });
     };
     if order == 0 && wired.is_drive(register) {
-        let fixed = |reason| Err(TestError::FixedDrive { name: name.to_owned(), reason });
+        let fixed = |reason| Err(TestError::Fixed { name: name.to_owned(), reason });
         return fixed_reason(wired).map_or(Ok(Target::Drive(register)), fixed);
     }
     let outputs = wired.program.element_outputs();
@@ -210,11 +215,13 @@ fn alias(circuit: &Circuit, of: &Handle) -> Option<Handle> {
     Some(Handle { name: alias.name.to_owned(), order: of.order - alias.order })
 }
 
+/// Why test values do not set quantities that follow the time.
+const TIMED: &str = "the equations contain the time t";
+
 /// Why test values do not set drives. `None` if they do.
 pub(super) fn fixed_reason(wired: &Wired<'_>) -> Option<&'static str> {
-    let mut equations = wired.circuit.equations().iter();
-    if equations.any(|placed| placed.value.names().contains(&"t")) {
-        return Some("the equations contain the time t");
+    if names_time(wired.circuit) {
+        return Some(TIMED);
     }
     has_switches(wired.program).then_some("the patch has elements that switch")
 }
@@ -223,7 +230,8 @@ pub(super) fn fixed_reason(wired: &Wired<'_>) -> Option<&'static str> {
 fn settable(wired: &Wired<'_>, handles: &[Vec<Handle>]) -> Vec<String> {
     let outputs = wired.program.element_outputs();
     let states = wired.program.state_laws().iter().zip(handles);
-    let states = states.map(|(state, of_state)| {
+    let free = states.zip(timed_states(wired.circuit, wired.program)).filter(|(_, is_timed)| !is_timed);
+    let states = free.map(|((state, of_state), _)| {
         of_state.first().map_or_else(|| outputs[state.element].name.clone(), Handle::text)
     });
     let drives = wired.circuit.patch().drives.keys().cloned();

@@ -224,6 +224,33 @@ fn random_values_overload_nothing_and_depend_on_the_seed_only() {
     assert_ne!(random(1).values, random(2).values);
 }
 
+/// x' = 3 t - x/2, in which the integrator A2 = 50 - 2 t stands for the time.
+#[test]
+fn an_integrator_for_the_time_keeps_its_value_at_the_start() {
+    let patch = json!({
+        "patchcord": 1,
+        "equations": "x' = 3 t - x/2",
+        "scales": {"x": {"per_volt": 1, "unit": "1"}},
+        "elements": {
+            "P1": {"kind": "pot", "in": "A1", "setting": 0.5},
+            "P2": {"kind": "pot", "in": "A2", "setting": 0.15},
+            "P3": {"kind": "pot", "in": "-100", "setting": 0.75},
+            "A1": {"kind": "integrator", "in": {"x1": ["P1", "P3"], "x10": ["P2"]}},
+            "P4": {"kind": "pot", "in": "+100", "setting": 0.02},
+            "A2": {"kind": "integrator", "in": {"x1": ["P4"]}, "initial": 50},
+        },
+        "signals": {"x": {"at": "A1", "scale": "x"}},
+    });
+    for seed in 0..5 {
+        let check = check(&patch, &TestValues::Random(seed)).unwrap();
+        assert!(differences(&check).is_empty(), "{check:?}");
+        assert_near(row(&check, "A2", 0).wired, 50.0);
+        assert!(row(&check, "A1", 0).wired != 0.0);
+    }
+    let set = check(&patch, &given(&[("A2", 20.0)])).unwrap_err().to_string();
+    assert_eq!(set, "A2 keeps its value at t = 0, because the equations contain the time t");
+}
+
 #[test]
 fn a_patch_without_equations_has_no_expected_values() {
     let mut patch = spring();

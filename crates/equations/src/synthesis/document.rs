@@ -1,18 +1,22 @@
 //! Writes the document of the patch.
 
-use patchcord_core::document::{Diagnostic, Report};
+use std::path::Path;
+
+use patchcord_core::document::{Diagnostic, Report, escape_controls};
 use patchcord_core::machines::DEFAULT_MACHINE;
 use patchcord_core::patch::{
     Amount, ElementBuilder, Patch, PatchBuilder, Problem, ScaleBuilder, SignalBuilder,
 };
-use patchcord_expr::{Equation, Expression, Node, split_primes};
+use patchcord_expr::{Equation, Expression, FormulaDimension, Node, split_primes};
 use serde_json::{Map, Value, json};
 
 use super::assembly::Assembly;
 use super::design::Design;
 use super::formula::{Product, exact_number, json_number};
+use super::input::Input;
 use super::layout::layout;
 use crate::graph::{NodeId, Operation, PlannedQuantity};
+use crate::notation::primed;
 
 /// The largest number of pictures.
 const MOST_PICTURES: usize = 4;
@@ -50,7 +54,7 @@ pub(super) fn patch(assembly: Assembly<'_>) -> Result<Patch, Vec<Diagnostic>> {
     for name in design.input.problem.patch.drives.keys() {
         builder = builder.drive(name, name, drive(design.input.problem, name));
     }
-    builder = with_equations(builder, design.input.problem);
+    builder = with_equations(builder, design);
     for (name, element) in assembly.into_elements() {
         builder = builder.element(&name, element);
     }
@@ -97,7 +101,7 @@ fn faults(report: &Report) -> Vec<Diagnostic> {
 /// The beginning of the document: texts, machine, time scale and parameters.
 fn head(design: &Design<'_>) -> PatchBuilder {
     let problem = &design.input.problem.patch;
-    let mut builder = PatchBuilder::new(&problem.title);
+    let mut builder = PatchBuilder::new(&title_of(problem));
     if !problem.source.is_empty() {
         builder = builder.source(&problem.source);
     }
@@ -115,6 +119,15 @@ fn head(design: &Design<'_>) -> PatchBuilder {
         Some(parameters) => builder.section("parameters", parameters.clone()),
         None => builder,
     }
+}
+
+/// The title of a problem, or the name of its file without the ending.
+fn title_of(problem: &Patch) -> String {
+    if !problem.title.trim().is_empty() {
+        return problem.title.clone();
+    }
+    let stem = Path::new(problem.file()).file_stem().unwrap_or_default();
+    escape_controls(&stem.to_string_lossy())
 }
 
 /// Adds the scales: of drives, of quantities, and of other nodes.
@@ -204,15 +217,54 @@ fn points<'p>(problem: &'p Problem, name: &str) -> &'p [[f64; 2]] {
     points.unwrap_or_default()
 }
 
-/// Adds the equations of the problem. Without them, a check would warn of motions that grow, so the patch then says that
-/// these are intended.
-fn with_equations(builder: PatchBuilder, problem: &Problem) -> PatchBuilder {
+/// Adds the equations of the problem, the derivatives that are signals, and the initial values. Without equations of the
+/// problem, a check would warn of motions that grow, so the patch then says that these are intended.
+fn with_equations(builder: PatchBuilder, design: &Design<'_>) -> PatchBuilder {
+    let problem = design.input.problem;
     let equations = problem.patch.equations.iter().map(|placed| &placed.value);
     let stated: Vec<&Equation> = equations.filter(|equation| !applies_table(problem, equation)).collect();
     if stated.is_empty() {
         return builder.section("positive_feedback", true);
     }
-    stated.into_iter().fold(builder, |builder, equation| builder.equation(equation.text()))
+    let builder = stated.into_iter().fold(builder, |builder, equation| builder.equation(equation.text()));
+    let further = derivative_equations(design).chain(initial_equations(design));
+    further.fold(builder, |builder, equation| builder.equation(&equation))
+}
+
+/// The equations of the derivatives that are signals, such as x_dot = x'. The quantity that is differentiated is a state.
+fn derivative_equations(design: &Design<'_>) -> impl Iterator<Item = String> {
+    let quantities = design.input.plan.quantities.iter().enumerate();
+    let derivatives = quantities.filter(move |(_, quantity)| {
+        let (base, order) = split_primes(&quantity.name);
+        order > 0 && is_state(design, &primed(base, order - 1)) && is_signal(design, quantity)
+    });
+    derivatives
+        .map(move |(index, quantity)| format!("{} = {}", design.names.of_quantity(index), quantity.name))
+}
+
+/// The initial values of states that the problem declares, such as x(0) = x0. Equations of the problem with initial values
+/// are equations already. A number with a unit is left out, because a number in an equation has none.
+fn initial_equations(design: &Design<'_>) -> impl Iterator<Item = String> {
+    let Input { problem, circuit, .. } = design.input;
+    let states = problem.quantities.iter().filter(move |(name, _)| is_state(design, name));
+    states.filter_map(move |(name, quantity)| {
+        let (initial, factor) = quantity.initial_formula(circuit.quantities())?;
+        let is_pure = quantity.unit.dimension().is_dimensionless() && factor == 1.0;
+        let value = match initial.value.dimension(circuit.quantities()) {
+            Ok(FormulaDimension::Of(_)) => initial.value.text(),
+            _ if initial.value.evaluate(circuit.quantities()) == Ok(0.0) => "0",
+            _ if is_pure => initial.value.text(),
+            _ => return None,
+        };
+        Some(format!("{name}(0) = {value}"))
+    })
+}
+
+/// Whether a quantity is the output of an integrator.
+fn is_state(design: &Design<'_>, name: &str) -> bool {
+    let mut quantities = design.input.plan.quantities.iter();
+    let node = quantities.find(|quantity| quantity.name == name).map(|quantity| quantity.node);
+    node.is_some_and(|node| matches!(design.input.operation(node), Operation::Integral { .. }))
 }
 
 /// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.

@@ -12,6 +12,7 @@ use super::rescaled::{Rescaled, is_forced, rescaled};
 use crate::findings::codes;
 use crate::graph::{NodeId, Operation, Plan};
 use crate::peaks::Ranges;
+use crate::positions::node_span;
 
 /// Gains of summers on a machine without a list of gains.
 const SUMMER_GAINS: [f64; 2] = [1.0, 10.0];
@@ -166,10 +167,10 @@ impl<'a> Input<'a> {
         if gains.is_empty() { &INTEGRATOR_GAINS } else { gains }
     }
 
-    /// A diagnostic about a node. It points to the quantity, if the problem declares it.
+    /// A diagnostic about a node. It points to the quantity that the node is, or to one that depends on it.
     pub(super) fn fault(&self, id: NodeId, message: String, hint: &str) -> Diagnostic {
-        let declared = self.labels(id).iter().find_map(|label| self.problem.quantities.get(label));
-        let span = declared.map(|quantity| quantity.span);
+        let declared = self.quantities(id).next().map(|quantity| quantity.span);
+        let span = declared.or_else(|| node_span(&self.plan, self.problem, id));
         Diagnostic { code: codes::NO_CIRCUIT, span, message, hint: Some(hint.to_owned()) }
     }
 }

@@ -47,11 +47,11 @@ const PRIME_HINT: &str = "a prime follows the name of a quantity";
 
 /// Returns the hint for a letter that means a derivative: `write x'`. `None` for other letters.
 fn derivative_hint(text: &str, start: usize, letter: char) -> Option<String> {
-    if let Some((_, order)) = OTHER_PRIMES.iter().find(|(letters, _)| letters.contains(letter)) {
-        let name = name_before(text, start);
-        return Some(match name {
+    if order_of(letter).is_some() {
+        let orders = text[start..].chars().map_while(order_of);
+        return Some(match name_before(text, start) {
             "" => PRIME_HINT.to_owned(),
-            name => write_derivative(name, *order),
+            name => write_derivative(name, orders.sum()),
         });
     }
     let after = &text[start + letter.len_utf8()..];
@@ -66,6 +66,16 @@ fn derivative_hint(text: &str, start: usize, letter: char) -> Option<String> {
     })?;
     let rest_of_name = &after[..prefix_length(after, is_name_letter)];
     Some(write_derivative(&format!("{base}{rest_of_name}"), order))
+}
+
+/// Returns the order of a letter that looks like a prime, or that puts dots on the letter before it. `None` for other
+/// letters.
+fn order_of(letter: char) -> Option<usize> {
+    if letter == PRIME {
+        return Some(1);
+    }
+    let (_, order) = OTHER_PRIMES.iter().find(|(letters, _)| letters.contains(letter))?;
+    Some(*order)
 }
 
 /// Returns the hint to write a derivative with primes.
@@ -105,6 +115,9 @@ mod tests {
             ("2phi\u{308} = v", "\u{308}", "write phi''"),
             ("x’ = v", "’", "write x'"),
             ("m x″ = F", "″", "write x''"),
+            ("m x’’ = F", "’", "write x''"),
+            ("m x`` = F", "`", "write x''"),
+            ("m x′' = F", "′", "write x''"),
             ("ẍ", "ẍ", "write x''"),
             ("ü = -u", "ü", "write u''"),
             ("(a)′ = 0", "′", "a prime follows the name of a quantity"),

@@ -338,9 +338,10 @@ fn unknown_function(name: &str, range: Range<usize>) -> FormulaError {
 /// Returns the error for a call with `found` arguments instead of `wanted`. `range` is that of the whole
 /// call.
 fn wrong_argument_count(name: &str, wanted: usize, found: usize, range: Range<usize>) -> FormulaError {
+    let hint = format!("write {name}({})", vec![" ... "; wanted].join(","));
     let wanted = match wanted {
         1 => "1 argument".to_owned(),
         several => format!("{several} arguments"),
     };
-    FormulaError::new(range, format!("{name} takes {wanted}, not {found}"))
+    FormulaError::new(range, format!("{name} takes {wanted}, not {found}")).with_hint(hint)
 }

@@ -4,7 +4,7 @@
 const SYNONYMS: [(&[&str], &str); 22] = [
     (&["asin", "arcsin"], "the arc sine of x is atan(x / sqrt(1 - x^2))"),
     (&["acos", "arccos"], "the arc cosine of x is pi / 2 - atan(x / sqrt(1 - x^2))"),
-    (&["arctan", "arctg", "artg"], "did you mean atan?"),
+    (&["arctan", "arctg", "artg", "atn"], "did you mean atan?"),
     (&["arctan2"], "did you mean atan2?"),
     (&["tg"], "did you mean tan?"),
     (&["ctg", "cotg", "cot"], "the cotangent of x is 1 / tan(x)"),
@@ -31,13 +31,14 @@ const SYNONYMS: [(&[&str], &str); 22] = [
 
 /// Names of functions that equations do not have but can express, and what to write instead. They precede
 /// [`SYNONYMS`].
-const EQUATION_SYNONYMS: [(&[&str], &str); 7] = [
+const EQUATION_SYNONYMS: [(&[&str], &str); 8] = [
     (&["sgn", "signum"], "did you mean sign?"),
     (&["heaviside", "unit_step", "unitstep"], "did you mean step?"),
     (&["deadzone", "dead_band", "deadband"], "did you mean dead_zone?"),
     (&["sat", "saturate", "saturation", "clamp", "clip", "limiter"], "did you mean limit?"),
     (&["dead_time", "deadtime", "transport_delay", "delayed"], "did you mean delay?"),
     (&["der", "ddt", "diff", "derivative"], "the derivative of x is written x'"),
+    (&["int", "integral", "integrate"], "the integral of x is a quantity y with the equation y' = x"),
     (&["if", "where", "piecewise"], "equations have no conditions: use step, limit, min and max"),
 ];
 

@@ -139,6 +139,10 @@ fn unexpected_character(start: usize, letter: char, language: Language) -> Formu
         '²' => Some("write ^2 instead"),
         '³' => Some("write ^3 instead"),
         'π' => Some("write pi instead"),
+        '√' => Some("write sqrt( ... ) instead"),
+        '|' => Some("write abs( ... ) for a magnitude"),
+        '\\' => Some("write plain text in place of LaTeX: a / b, sqrt(a), and x' for a derivative"),
+        ';' if language == Language::Equation => Some("write a list with a text for each equation"),
         _ if letter.is_alphabetic() => Some("names consist of the letters a to z and A to Z, digits and _"),
         _ => None,
     };

@@ -7,12 +7,14 @@ use patchcord_expr::format_significant;
 
 /// Number of inputs whose changes are listed.
 const MAX_CHANGES: usize = 3;
+/// Largest relative difference between two gains that count as the same.
+const GAIN_TOLERANCE: f64 = 1e-9;
 /// The setting with the output at the start.
 const INITIAL: &str = "initial";
 
 /// The changes at the inputs of an amplifier that multiply its output by `times`. Its feedback to itself stays, because it
-/// changes with the output. `None` if its inputs have no gains, or if it has no feedback inside: then all gains together
-/// change nothing.
+/// changes with the output. `None` if its inputs have no gains, if the machine has no gains that are large enough, or if
+/// the amplifier has no feedback inside: then all gains together change nothing.
 pub(super) fn gain_changes(circuit: &Circuit, element: usize, times: f64) -> Option<String> {
     let to = circuit.element(element);
     let has_gain = |cord: &Cord| matches!(to.kind.inputs[cord.input].jacks, Jacks::Gains);
@@ -23,8 +25,8 @@ pub(super) fn gain_changes(circuit: &Circuit, element: usize, times: f64) -> Opt
     }
     cords.retain(|(from, _)| !comes_from(circuit, *from, element));
     let listed = cords.iter().take(MAX_CHANGES);
-    let mut changes: Vec<String> =
-        listed.map(|(from, cord)| cord_change(circuit, &to.name, (*from, cord.gain), times)).collect();
+    let changes = listed.map(|(from, cord)| cord_change(circuit, to, (*from, cord.gain), times));
+    let mut changes: Vec<String> = changes.collect::<Option<_>>()?;
     if cords.len() > MAX_CHANGES {
         changes.push("change its other inputs in the same way".to_owned());
     }
@@ -40,17 +42,50 @@ fn comes_from(circuit: &Circuit, voltage: usize, element: usize) -> bool {
     voltage == element || is_pot && circuit.cords(voltage).iter().any(|(from, _)| *from == element)
 }
 
-/// The change at the input of element `to` that an output drives with a gain. A pot that drives nothing else is set.
-fn cord_change(circuit: &Circuit, to: &str, (from, gain): (usize, f64), times: f64) -> String {
+/// The change at the input of an element that an output drives with a gain. A pot that drives nothing else is set. `None`
+/// if the machine has no gain that is large enough.
+fn cord_change(circuit: &Circuit, to: &Element, (from, gain): (usize, f64), times: f64) -> Option<String> {
     let source = circuit.element(from);
-    let name = &source.name;
-    match pot_setting(circuit, source).filter(|share| share * times <= 1.0) {
-        Some(share) if reader_count(circuit, from) == 1 => {
-            format!("set {name} to {} in place of {}", number(share * times), number(share))
+    let name = source.name.as_str();
+    let own_share = pot_setting(circuit, source).filter(|_| reader_count(circuit, from) == 1);
+    match own_share {
+        Some(share) if share * times <= 1.0 => {
+            Some(format!("set {name} to {} in place of {}", number(share * times), number(share)))
         }
-        _ if times < 1.0 => format!("put a pot of {} between {name} and {to}", number(times)),
-        _ => format!("give {name} a gain of {} in place of {}", number(gain * times), number(gain)),
+        _ if times < 1.0 => Some(format!("put a pot of {} between {name} and {}", number(times), to.name)),
+        _ => gain_change((name, own_share), (to, available_gains(circuit, to)), gain, times),
     }
+}
+
+/// A larger gain of an input, of those that the machine has. A pot makes the product right if it must be smaller.
+///
+/// `source` is the output with its share if it is a pot that drives nothing else. `to` is the element with the gains that
+/// it can have in ascending order; all, if there are none. `None` if no gain is large enough.
+fn gain_change(
+    (name, own_share): (&str, Option<f64>),
+    (to, available): (&Element, &[f64]),
+    gain: f64,
+    times: f64,
+) -> Option<String> {
+    let change = |new: f64| format!("give {name} a gain of {} in place of {}", number(new), number(gain));
+    let is_same = |new: &f64| (new / (gain * times) - 1.0).abs() < GAIN_TOLERANCE;
+    if available.is_empty() || available.iter().any(is_same) {
+        return Some(change(gain * times));
+    }
+    let product = own_share.unwrap_or(1.0) * gain * times;
+    let new = *available.iter().find(|new| **new >= product * (1.0 - GAIN_TOLERANCE))?;
+    let share = number(product / new);
+    Some(match own_share {
+        Some(present) => format!("{} and set {name} to {share} in place of {}", change(new), number(present)),
+        None => format!("{} and put a pot of {share} between {name} and {}", change(new), to.name),
+    })
+}
+
+/// The input gains that the machine has for an element, in ascending order. Empty if it has all gains.
+fn available_gains(circuit: &Circuit, element: &Element) -> &'static [f64] {
+    let machine = circuit.machine();
+    let is_integrating = element.kind.transfer == Transfer::Integrating;
+    if is_integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 
 /// The setting of a pot. `None` for any other element.

@@ -92,3 +92,32 @@ fn elements_without_gains_change_with_their_drivers() {
         "reduce A1 by larger scales, so that Q1 gets 2 times smaller"
     );
 }
+
+#[test]
+fn gains_are_those_of_the_machine() {
+    let pot = ElementBuilder::new("pot").cord("in", "A1").set("setting", 0.5);
+    let patch = PatchBuilder::new("gains of 1 and 10")
+        .machine("solartron-1451")
+        .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 1))
+        .element("P1", pot)
+        .element("S1", ElementBuilder::new("summer").cords("x1", ["A1"]))
+        .element("A2", ElementBuilder::new("integrator").cords("x1", ["P1"]))
+        .build()
+        .unwrap();
+    let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
+    let larger = |name: &str, factor: f64| larger_output(&circuit, index(&circuit, name), factor);
+    let of_10 = "make S1 10 times larger: give A1 a gain of 10 in place of 1; then divide by 10 where other amplifiers \
+                 use it";
+    assert_eq!(larger("S1", 10.0), of_10);
+    // 4 = 10 x 0.4.
+    let of_4 = "make S1 4 times larger: give A1 a gain of 10 in place of 1 and put a pot of 0.4 between A1 and S1; then \
+                divide by 4 where other amplifiers use it";
+    assert_eq!(larger("S1", 4.0), of_4);
+    // 0.5 x 4 = 10 x 0.2.
+    let with_pot = "make A2 4 times larger: give P1 a gain of 10 in place of 1 and set P1 to 0.2 in place of 0.5; then \
+                    divide by 4 where other amplifiers use it";
+    assert_eq!(larger("A2", 4.0), with_pot);
+    // A summer has no gain of 20.
+    let no_gain = "enlarge A1 by smaller scales, so that S1 gets 20 times larger";
+    assert_eq!(larger("S1", 20.0), no_gain);
+}

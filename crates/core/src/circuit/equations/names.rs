@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::notations::other_notation;
 use super::scope::{EquationScope, ParameterNames, TIME, is_element, is_scale};
 use crate::document::{
     Code, Diagnostic, MAX_SUGGESTIONS, Placed, TIME_SCALE, formula_diagnostic, suggestion, unit_advice,
@@ -117,8 +118,9 @@ impl NameChecker<'_> {
         }
     }
 
-    /// The fault of an unknown name. The hint is the unit or the name that is probably meant, the signal that an equation
-    /// such as `x' = v` needs, or a list of the known names. In an initial value the name is meant as a parameter.
+    /// The fault of an unknown name. The hint is the unit, the notation or the name that is probably meant, the signal that
+    /// an equation such as `x' = v` needs, or a list of the known names. In an initial value the name is meant as a
+    /// parameter.
     fn unknown(&self, placed: &Placed<Equation>, name: &str, base: &str, reported: usize) -> NameFault {
         let message = format!("{base} is not known here");
         let equation = &placed.value;
@@ -134,11 +136,21 @@ impl NameChecker<'_> {
         let sides = [equation.left(), equation.right()];
         let hint = unit_advice(self.scope, equation.text(), &sides, &error, None)
             .map(|advice| format!("numbers have no units in equations: {advice}"))
+            .or_else(|| if is_in_initial_value { None } else { other_notation(self.scope, name) })
             .or(error.hint)
             .or_else(|| is_in_initial_value.then(|| format!("declare {base} as a parameter")))
             .or_else(|| self.derivative_hint(base))
-            .or_else(|| suggestion(base, &self.scope.names()));
+            .or_else(|| self.known_names(base));
         NameFault { code: Code::UNKNOWN_NAME, message, hint }
+    }
+
+    /// The hint for an unknown name that resembles no other: the known names. In a problem, the name can be declared.
+    fn known_names(&self, unknown: &str) -> Option<String> {
+        let known = suggestion(unknown, &self.scope.names())?;
+        Some(match self.patch.is_problem() {
+            true => format!("declare {unknown} as a parameter or a quantity; {known}"),
+            false => known,
+        })
     }
 
     /// The hint for an unknown name v if one of the equations is `x' = v`.

@@ -120,13 +120,33 @@ fn unknown_names_are_errors_with_a_hint() {
     unknown(
         &["x = 2 ft"],
         "ft",
-        "numbers have no units in equations: declare a parameter in ft, or a quantity ft as a parameter",
+        "numbers have no units in equations: declare 2 ft as a parameter, with \"value\": 2 and \"unit\": \"ft\"; or \
+         declare ft, if it is a quantity",
     );
     unknown(&["F = unheard_of"], "unheard_of", "known here: x, v, u, w, F, m, k, c, T, w, ...");
     let both = faults(&["m z' = F + z", "x' = z"]);
     let parts: Vec<_> = both.iter().map(|(_, part, _, hint)| (part.as_str(), hint.as_str())).collect();
     let hint = "add a signal z to the patch, or write x'";
     assert_eq!(parts, [("z'", hint), ("z", hint)]);
+}
+
+#[test]
+fn names_of_other_notations_are_errors_with_a_hint() {
+    let unknown = |equation: &str, part: &str, hint: &str| {
+        let message = format!("{} is not known here", part.trim_end_matches('\''));
+        assert_fault(&[equation], Code::UNKNOWN_NAME, part, &message, hint);
+    };
+    let product = |text: &str| format!("write {text} for the product: names need a space between them");
+    unknown("m x'' = -kx", "kx", &product("k x"));
+    unknown("m x'' = -k x - cx'", "cx'", &product("c x'"));
+    unknown("m x'' = -mkx / T^2", "mkx", &product("m k x"));
+    let derivative = |text: &str| format!("write {text}: a prime is a derivative with respect to time");
+    unknown("m x_ddot = -k x", "x_ddot", &derivative("x''"));
+    unknown("m xdot' = -k x", "xdot'", &derivative("x''"));
+    unknown("v = dxdt", "dxdt", &derivative("x'"));
+    let acceleration = "numbers have no units in equations: declare 9.81 m/s2 as a parameter, with \"value\": 9.81 and \
+                        \"unit\": \"m/s2\"; or declare s2, if it is a quantity";
+    unknown("v' = -9.81 m/s2", "s2", acceleration);
 }
 
 #[test]
@@ -254,8 +274,8 @@ fn an_unknown_name_in_an_initial_value_is_meant_as_a_parameter() {
     unknown(&["x'(0) = speed_0"], "speed_0", "declare speed_0 as a parameter");
     unknown(&["x(0) = V0 T"], "V0", "did you mean v0?");
     unknown(&["x(0) = step"], "step", "step is a function: write step( ... )");
-    let hint =
-        "numbers have no units in equations: declare a parameter in ft, or a quantity ft as a parameter";
+    let hint = "numbers have no units in equations: declare 2 ft as a parameter, with \"value\": 2 and \"unit\": \"ft\"; or \
+         declare ft, if it is a quantity";
     unknown(&["x(0) = 2 ft"], "ft", hint);
     unknown(&["z(0) = x0"], "z(0)", "known here: x, v, u, w, F, m, k, c, T, w, ...");
     // The signal that an equation needs is not an initial value.

@@ -144,9 +144,12 @@ fn without_argument(placed: &Placed<Equation>, name: &str, table: &str) -> Diagn
     formula_diagnostic(Code::BAD_FORMULA, placed, FormulaError { range, message, hint })
 }
 
-/// Warns of drives and tables that no equation contains.
+/// Warns of drives and tables that no equation contains. If there are no equations, that fault is reported already.
 pub(super) fn warn_of_unused(problem: &Problem, findings: &mut Findings) {
     let equations = &problem.patch.equations;
+    if equations.is_empty() {
+        return;
+    }
     for (name, drive) in &problem.patch.drives {
         let is_used = |placed: &Placed<Equation>| {
             placed.value.names().into_iter().any(|used| split_primes(used).0 == name)

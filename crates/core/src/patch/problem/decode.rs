@@ -11,14 +11,18 @@ use super::key_synonyms::problem_advice;
 use super::{Problem, ProblemTable, check, initial, names};
 use crate::document::fields::{Fields, Findings};
 use crate::document::tree::Node;
-use crate::document::{Code, Diagnostic, DocumentKind, Placed, Span, any_error};
+use crate::document::{Code, Diagnostic, DocumentKind, Placed, Span, any_error, format_number};
 use crate::patch::decode::{equations, has_unread_section, parameter, store, version};
 use crate::patch::decode_run::run;
-use crate::patch::{Patch, Scale, Signal, product_hints};
+use crate::patch::{Patch, RunPlan, Scale, Signal, product_hints};
 use patchcord_expr::{Equation, Formula, Unit, split_primes};
 
 /// The page that describes problems, for hints.
 const REFERENCE_PAGE: &str = "docs/problem-format.md";
+
+/// The form of a problem, for a document that is no object.
+pub(super) const DOCUMENT_HINT: &str = "a problem is {\"patchcord\": 1, \"quantities\": {...}, \"equations\": [...], \
+                                        \"run\": {...}}: see docs/problem-format.md";
 
 /// The sections whose names other parts of the document use.
 const NAME_SECTIONS: [&str; 4] = ["parameters", "quantities", "drives", "tables"];
@@ -35,7 +39,8 @@ pub(super) fn document(root: &Node, problem: &mut Problem) -> Result<(), Diagnos
     if let Some(finding) = DocumentKind::Problem.wrong_kind(root) {
         return Err(finding);
     }
-    let Some(mut fields) = Fields::of(root, "the problem", &mut findings) else {
+    let hint = Some(DOCUMENT_HINT.to_owned());
+    let Some(mut fields) = Fields::of_with_hint(root, "the problem", hint, &mut findings) else {
         return Err(findings.remove(0));
     };
     version(&mut fields, &mut findings);
@@ -46,7 +51,11 @@ pub(super) fn document(root: &Node, problem: &mut Problem) -> Result<(), Diagnos
     complete_patch(problem, &declared.drive_units);
     equations_section(&mut fields, problem, &declared.tables, &mut findings);
     run_section(&mut fields, &mut problem.patch, &mut findings);
-    problem.patch.unread.has_unread_section |= lacks_section(&fields);
+    let lacks_section = lacks_section(&fields);
+    if !lacks_section && root.child("quantities").is_none() {
+        findings.push(without_quantities(root));
+    }
+    problem.patch.unread.has_unread_section |= lacks_section || problem.quantities.is_empty();
     fields.finish_with_advice(&problem_advice, &mut findings);
     product_hints::offer_products(root, &mut findings);
     check::check_derivatives(problem, &mut findings);
@@ -161,7 +170,7 @@ fn equations_section(
     }
 }
 
-/// Decodes the required section "run". It must have a length, and no phases.
+/// Decodes the required section "run". It must have a length, a step or a tolerance, and no phases.
 fn run_section(fields: &mut Fields<'_>, patch: &mut Patch, findings: &mut Findings) {
     let meaning = "the length of the run in s: \"run\": {\"for\": 10, \"step\": 0.01}";
     let Some(node) = fields.require("run", meaning) else { return };
@@ -173,11 +182,40 @@ fn run_section(fields: &mut Fields<'_>, patch: &mut Patch, findings: &mut Findin
         let hint =
             "write \"for\", the length of the run; add phases to the patch that `patchcord scale` makes";
         findings.push(Diagnostic::at(Code::UNKNOWN_KEY, phases.span, message).hint(hint));
-    } else if findings.len() == reported && patch.run.duration.is_none() {
-        let opening = Span { start: node.span.start, end: node.span.start + 1 };
-        let message = "\"run\" needs \"for\"";
-        findings.push(Diagnostic::at(Code::MISSING_KEY, opening, message).hint("the length of the run in s"));
+    } else if findings.len() == reported {
+        report_missing_times(node, &patch.run, findings);
     }
+}
+
+/// A run has this number of steps in the hint about a missing step.
+const ADVISED_STEPS: f64 = 1000.0;
+/// The length of a run in s for the hint about a missing step, if the run has none.
+const ADVISED_LENGTH: f64 = 10.0;
+
+/// Reports the times that a run lacks: its length, and its step or tolerance.
+fn report_missing_times(node: &Node, run: &RunPlan, findings: &mut Findings) {
+    let length = run.duration.as_ref().map(|duration| duration.value);
+    if length.is_none() {
+        let finding = Diagnostic::at(Code::MISSING_KEY, opening(node), "\"run\" needs \"for\"");
+        findings.push(finding.hint("the length of the run in s"));
+    }
+    if run.step.is_none() && run.tolerance.is_none() {
+        let step = format_number(length.unwrap_or(ADVISED_LENGTH) / ADVISED_STEPS);
+        let hint = format!("write \"step\": {step}, in s, or \"tolerance\": 1e-6 for steps that adapt");
+        let message = "\"run\" needs \"step\" or \"tolerance\"";
+        findings.push(Diagnostic::at(Code::MISSING_KEY, opening(node), message).hint(hint));
+    }
+}
+
+/// The position of the brace with which an object begins.
+fn opening(node: &Node) -> Span {
+    Span { start: node.span.start, end: node.span.start + 1 }
+}
+
+/// The diagnostic for a problem without the key "quantities".
+fn without_quantities(root: &Node) -> Diagnostic {
+    let hint = "the unknowns with their units: \"quantities\": {\"x\": {\"unit\": \"mm\", \"initial\": 50}}";
+    Diagnostic::at(Code::MISSING_KEY, opening(root), "the problem needs \"quantities\"").hint(hint)
 }
 
 /// Whether a section of names could not be read: it is not an object, or its key is misspelled or another word for it.
@@ -187,7 +225,7 @@ fn lacks_section(fields: &Fields<'_>) -> bool {
     has_unread_section(fields, &NAME_SECTIONS) || fields.remaining().any(|entry| means_section(&entry.key))
 }
 
-/// Reports a problem without quantities or equations, if there is no other error.
+/// Reports empty sections of quantities or equations, if there is no other error.
 fn report_empty(problem: &Problem, root: &Node, findings: &mut Findings) {
     let sections = [
         ("quantities", problem.quantities.is_empty(), "\"x\": {\"unit\": \"mm\", \"initial\": 50}"),

@@ -20,7 +20,7 @@ use indexmap::IndexMap;
 
 use super::{Patch, table_file};
 use crate::document::file::{DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text};
-use crate::document::{DocumentKind, Placed, Report, Span, tree};
+use crate::document::{Diagnostic, DocumentKind, Placed, Report, Span, tree};
 use patchcord_expr::{Formula, Unit};
 
 /// A problem: the equations of a system, with everything that is needed to make a patch that solves them.
@@ -144,7 +144,7 @@ impl Problem {
         }
         let text = without_byte_order_mark(text);
         let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
-        let root = tree::parse(text).map_err(fail)?;
+        let root = tree::parse(text).map_err(|finding| fail(with_form(text, finding)))?;
         let patch = Patch::empty(file, text);
         let mut problem = Problem { patch, quantities: IndexMap::new(), tables: IndexMap::new() };
         decode::document(&root, &mut problem).map_err(fail)?;
@@ -152,7 +152,8 @@ impl Problem {
         Ok(problem)
     }
 
-    /// Whether a text is a problem, possibly with faults: a document of patchcord with quantities and without elements.
+    /// Whether a text is a problem, possibly with faults: a document of patchcord with quantities and without elements, or
+    /// with equations and without a section of a patch such as elements or signals.
     ///
     /// # Examples
     ///
@@ -169,6 +170,14 @@ impl Problem {
         let is_short = text.len() <= MAX_DOCUMENT_BYTES;
         let root = is_short.then(|| tree::parse(without_byte_order_mark(text)).ok()).flatten();
         root.is_some_and(|root| DocumentKind::of(&root) == Some(DocumentKind::Problem))
+    }
+}
+
+/// The diagnostic for a text that is not JSON. It describes the form of a problem if the text does not begin like one.
+fn with_form(text: &str, finding: Diagnostic) -> Diagnostic {
+    match text.trim_start().starts_with(['{', '[']) {
+        true => finding,
+        false => finding.hint(decode::DOCUMENT_HINT),
     }
 }
 

@@ -9,12 +9,13 @@ mod outputs;
 mod places;
 mod question;
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::Program;
+use patchcord_core::ir::{Program, ProgramPoint};
 use patchcord_expr::{Dimension, Equation, split_primes};
 
+use super::expansions::TimeLaws;
 use super::model::Model;
 use super::points::ParameterValues;
 use super::terms::TOLERANCE;
@@ -33,10 +34,12 @@ pub(super) struct Numerical<'a> {
     program: &'a Program,
     model: Model<'a>,
     outputs: Outputs,
-    /// The states with free voltages of drives.
-    free: Vec<Place>,
-    /// The states at which drives follow their laws of time. Empty if there are no drives.
-    timed: Vec<Place>,
+    /// The points of a short motion from the initial condition.
+    motion: Vec<ProgramPoint>,
+    /// Whether each state is a ramp.
+    ramps: Vec<bool>,
+    /// The states of the machine by what follows its law of time at them. Each list is made when it is first needed.
+    places: BTreeMap<TimeLaws, Vec<Place>>,
 }
 
 /// How the sides of an equation compare.
@@ -87,38 +90,39 @@ impl<'a> Numerical<'a> {
     pub(super) fn new(circuit: &'a Circuit, program: &'a Program) -> Self {
         let (model, outputs) = Model::evaluated(circuit, program, Outputs::new);
         let motion = motion(circuit, program);
-        let has_drives = !circuit.patch().drives.is_empty();
-        let free = places(program, &motion, true);
-        let timed = if has_drives { places(program, &motion, false) } else { Vec::new() };
-        Numerical { circuit, program, model, outputs, free, timed }
+        let ramps = outputs.states.iter().map(|state| model.is_ramp(*state)).collect();
+        Numerical { circuit, program, model, outputs, motion, ramps, places: BTreeMap::new() }
     }
 
-    /// Compares the sides of an equation. It may name drives or write out their laws of time.
-    pub(super) fn verdict(&mut self, equation: &Equation) -> Verdict {
-        let found = self.verdict_with_drives(equation, false);
-        if self.timed.is_empty() || matches!(found, Verdict::Equal(_)) {
+    /// Compares the sides of an equation. It may name drives or write out their laws of time. `is_timed` is whether it
+    /// contains the time. Then ramps follow their laws of time.
+    pub(super) fn verdict(&mut self, equation: &Equation, is_timed: bool) -> Verdict {
+        let found = self.verdict_with(TimeLaws { drives: false, ramps: is_timed }, equation);
+        if self.circuit.patch().drives.is_empty() || matches!(found, Verdict::Equal(_)) {
             return found;
         }
-        let timed = self.verdict_with_drives(equation, true);
+        let timed = self.verdict_with(TimeLaws { drives: true, ramps: is_timed }, equation);
         match (&found, &timed) {
             (_, Verdict::Equal(_)) | (Verdict::NoValues, _) => timed,
             _ => found,
         }
     }
 
-    /// Compares the sides of an equation, with drives as free quantities or as laws of time.
-    fn verdict_with_drives(&mut self, equation: &Equation, expands_drives: bool) -> Verdict {
-        self.model.expands_drives = expands_drives;
+    /// Compares the sides of an equation in which these quantities follow their laws of time.
+    fn verdict_with(&mut self, time_laws: TimeLaws, equation: &Equation) -> Verdict {
+        self.model.set_time_laws(time_laws);
         let Ok(question) = Question::new(&mut self.model, equation) else { return Verdict::NoValues };
-        let places = if expands_drives { &self.timed } else { &self.free };
+        let (program, motion, ramps) = (self.program, &self.motion, &self.ramps);
+        self.places.entry(time_laws).or_insert_with(|| places(program, motion, ramps, time_laws));
+        let places = &self.places[&time_laws];
         let Summary { count, largest, first, is_general } = self.summary(&question, places);
         match (first, is_general) {
-            (Some(index), _) => self.difference(equation, &question, index),
+            (Some(index), _) => self.difference(equation, &question, (time_laws, index)),
             _ if count < MIN_PLACES => Verdict::NoValues,
             _ if largest > EQUAL => Verdict::Near(largest),
             // A drive that is 0 at present would hide a cord that is missing.
             (None, Some(false)) => Verdict::EqualAt(question.parameters(&self.model)),
-            (None, None) if expands_drives => Verdict::NoValues,
+            (None, None) if time_laws.drives => Verdict::NoValues,
             _ => Verdict::Equal(count),
         }
     }
@@ -172,10 +176,14 @@ impl<'a> Numerical<'a> {
     }
 
     /// The values of both sides and of the quantities of an equation at the place with this index, where they differ.
-    fn difference(&mut self, equation: &Equation, question: &Question, index: usize) -> Verdict {
+    fn difference(
+        &mut self,
+        equation: &Equation,
+        question: &Question,
+        (time_laws, index): (TimeLaws, usize),
+    ) -> Verdict {
         let quantities = self.quantities(equation);
-        let places = if self.model.expands_drives { &self.timed } else { &self.free };
-        let place = &places[index];
+        let place = &self.places[&time_laws][index];
         let Some(known) = self.known(question, place, ParameterValues::Present) else {
             return Verdict::NoValues;
         };

@@ -20,6 +20,8 @@ const MAX_VOLTS: f64 = 5.0;
 pub(super) struct Outputs {
     /// The outputs with a symbol, each with its register and its value at 1 V.
     named: Vec<(Symbol, Register, Fraction)>,
+    /// The symbols of the states, in the order of the program.
+    pub states: Vec<Symbol>,
     /// The symbols of the modes, in the order of the program.
     modes: Vec<Symbol>,
     /// The symbols of the sampled values, in the order of the program.
@@ -34,7 +36,7 @@ impl Outputs {
         let mut named: Vec<_> = named.collect();
         named.sort_by_key(|(_, register, _)| *register);
         let modes = wiring.system.modes.iter().map(|mode| mode.symbol).collect();
-        Outputs { named, modes, sampled: wiring.sampled.clone() }
+        Outputs { named, states: wiring.states.clone(), modes, sampled: wiring.sampled.clone() }
     }
 }
 

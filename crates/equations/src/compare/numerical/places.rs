@@ -6,6 +6,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{Program, ProgramPoint, Register};
 use patchcord_core::solve::Machine;
 
+use crate::compare::expansions::TimeLaws;
 use crate::operating_point::{
     Numbers, has_switches, initial_point, is_in_range, largest_demand, settled_point, state_limits,
 };
@@ -67,12 +68,19 @@ fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// States at which nothing overloads: the instants of a motion, others near them, and others in the whole range if there
-/// are few of these. `has_free_drives` is whether the voltages of drives do not follow their laws of time.
-pub(super) fn places(program: &Program, motion: &[ProgramPoint], has_free_drives: bool) -> Vec<Place> {
+/// are few of these. `ramps` is whether each state is a ramp. Drives and ramps have any voltages unless they follow their
+/// laws of time.
+pub(super) fn places(
+    program: &Program,
+    motion: &[ProgramPoint],
+    ramps: &[bool],
+    time_laws: TimeLaws,
+) -> Vec<Place> {
     let Some(start) = motion.first() else { return Vec::new() };
     let has_switches = has_switches(program);
-    let has_free_drives = has_free_drives && !has_switches;
-    let search = Search { program, motion, start, has_switches, has_free_drives };
+    let has_free_drives = !time_laws.drives && !has_switches;
+    let is_timed = ramps.iter().map(|is_ramp| *is_ramp && time_laws.ramps).collect();
+    let search = Search { program, motion, start, has_switches, has_free_drives, is_timed };
     let mut places: Vec<Place> = (0..PLACES).filter_map(|index| search.near_motion(index)).collect();
     if places.len() < MIN_PLACES {
         places.extend((0..PLACES).filter_map(|index| search.anywhere(index)));
@@ -91,6 +99,8 @@ struct Search<'a> {
     has_switches: bool,
     /// Whether the voltages of drives are free.
     has_free_drives: bool,
+    /// Whether each state follows a law of time.
+    is_timed: Vec<bool>,
 }
 
 impl Search<'_> {
@@ -108,7 +118,9 @@ impl Search<'_> {
 
     /// The place with this index in the whole range.
     fn anywhere(&self, index: usize) -> Option<Place> {
-        let from = ProgramPoint { states: vec![0.0; self.start.states.len()], ..self.start.clone() };
+        let states = self.start.states.iter().zip(&self.is_timed);
+        let states = states.map(|(volts, is_timed)| if *is_timed { *volts } else { 0.0 }).collect();
+        let from = ProgramPoint { states, ..self.start.clone() };
         let (point, voltages) = self.first_at(&from, PLACES + index, &WIDE_DISTANCES)?;
         Some(Place { point, voltages, instant: None })
     }
@@ -131,13 +143,7 @@ impl Search<'_> {
         numbers: &mut Numbers,
         distance: f64,
     ) -> Option<(ProgramPoint, Vec<f64>)> {
-        let limits = state_limits(self.program, from);
-        let states = from
-            .states
-            .iter()
-            .zip(limits)
-            .map(|(volts, [low, high])| (volts + distance * numbers.share()).max(low).min(high));
-        let states: Vec<f64> = states.collect();
+        let states = self.states_at(from, numbers, distance);
         let mut point = if self.has_switches {
             settled_point(self.program, &states).ok()?
         } else {
@@ -152,6 +158,19 @@ impl Search<'_> {
         });
         let given = given.collect();
         self.evaluated(point, given)
+    }
+
+    /// The voltages of the states at a distance from a point in random directions, within their limits. Those that follow a
+    /// law of time are as at the point. If elements switch, the machine settles at t = 0, so they are as at the start.
+    fn states_at(&self, from: &ProgramPoint, numbers: &mut Numbers, distance: f64) -> Vec<f64> {
+        let limits = state_limits(self.program, from);
+        let timed = if self.has_switches { self.start } else { from };
+        let states = from.states.iter().zip(limits).enumerate();
+        let moved = states.map(|(index, (volts, [low, high]))| {
+            let volts_moved = (volts + distance * numbers.share()).max(low).min(high);
+            if self.is_timed[index] { timed.states[index] } else { volts_moved }
+        });
+        moved.collect()
     }
 
     /// A point with all voltages. `None` if something overloads, a loop is not solved, or the input of a squaring network

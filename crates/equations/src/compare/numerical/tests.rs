@@ -32,7 +32,7 @@ fn with<T>(patch: &Value, read: impl FnOnce(&mut Numerical<'_>, &Equation) -> T)
 
 /// The number of states at which an equation of the arcsine holds. `None` if it does not hold.
 fn states(gain: f64, equation: &str) -> Option<usize> {
-    with(&arcsine(gain, equation), |numerical, equation| match numerical.verdict(equation) {
+    with(&arcsine(gain, equation), |numerical, equation| match numerical.verdict(equation, false) {
         Verdict::Equal(states) => Some(states),
         _ => None,
     })
@@ -61,7 +61,8 @@ fn derivatives_of_an_angle_have_values() {
 fn the_first_state_at_which_the_sides_differ_has_their_values() {
     // arm is the arcsine of -1/4 in place of -1/2.
     let patch = arcsine(0.5, "arm = -atan2(x, sqrt(10000 - x^2))");
-    let Verdict::Different(difference) = with(&patch, |numerical, equation| numerical.verdict(equation))
+    let Verdict::Different(difference) =
+        with(&patch, |numerical, equation| numerical.verdict(equation, false))
     else {
         panic!("the gain is wrong")
     };
@@ -78,7 +79,7 @@ fn the_first_state_at_which_the_sides_differ_has_their_values() {
 #[test]
 fn a_small_difference_is_neither_equal_nor_wrong() {
     let patch = arcsine(0.9998, "arm = -atan2(x, sqrt(10000 - x^2))");
-    let Verdict::Near(share) = with(&patch, |numerical, equation| numerical.verdict(equation)) else {
+    let Verdict::Near(share) = with(&patch, |numerical, equation| numerical.verdict(equation, false)) else {
         panic!("0.9998 is nearly 1")
     };
     assert!((1e-5..1e-3).contains(&share), "{share}");
@@ -89,21 +90,47 @@ fn a_small_difference_is_neither_equal_nor_wrong() {
 fn states_in_the_whole_range_are_compared_if_the_motion_overloads() {
     let patch = arcsine(10.0, "10 sin(arm) = -x");
     with(&patch, |numerical, equation| {
-        assert!(numerical.free.len() >= MIN_PLACES);
-        for place in &numerical.free {
+        assert!(matches!(numerical.verdict(equation, false), Verdict::Equal(_)));
+        let free = &numerical.places[&TimeLaws::default()];
+        assert!(free.len() >= MIN_PLACES);
+        for place in free {
             assert_eq!(place.instant, None);
             assert!(place.point.states[0].abs() < 10.0, "{:?}", place.point.states);
         }
-        assert!(matches!(numerical.verdict(equation), Verdict::Equal(_)));
     });
     assert_eq!(states(10.0, "100 sin(arm) = -x"), None);
+}
+
+/// The arcsine of a ramp: 100 sin(arm) = -x, with x = 10 + 5 t.
+fn ramp(equation: &str) -> Value {
+    let mut patch = arcsine(1.0, equation);
+    patch["elements"]["P2"] = json!({"kind": "pot", "in": "-100", "setting": 0.05});
+    patch["elements"]["A1"] = json!({"kind": "integrator", "in": {"x1": ["P2"]}, "initial": 10});
+    patch
+}
+
+/// cos(arm) arm' = -x'/100.
+#[test]
+fn ramps_follow_the_time_of_an_equation() {
+    let verdict = |equation: &str, is_timed: bool| {
+        with(&ramp(equation), |numerical, equation| numerical.verdict(equation, is_timed))
+    };
+    for equation in ["100 sin(arm) = -10 - 5 t", "x = 10 + 5 t", "arm' cos(arm) = -0.05 + 0 t"] {
+        assert!(matches!(verdict(equation, true), Verdict::Equal(24)), "{equation}");
+    }
+    for equation in ["100 sin(arm) = -10 - 6 t", "x = 9 + 5 t", "arm' cos(arm) = 0.05 + 0 t"] {
+        assert!(matches!(verdict(equation, true), Verdict::Different(_)), "{equation}");
+    }
+    // Any voltage of x is possible if the time does not matter.
+    assert!(matches!(verdict("arm' cos(arm) = -0.05", false), Verdict::Equal(24)));
+    assert!(matches!(verdict("x = 10 + 5 t", false), Verdict::Different(_)));
 }
 
 #[test]
 fn sides_without_values_are_not_compared() {
     let patch = arcsine(1.0, "arm = atan2(x, sqrt(-1 - x^2))");
     with(&patch, |numerical, equation| {
-        assert!(matches!(numerical.verdict(equation), Verdict::NoValues));
+        assert!(matches!(numerical.verdict(equation, false), Verdict::NoValues));
     });
 }
 

@@ -132,6 +132,23 @@ impl<'s> Instant<'s> {
         Self::moved(centre, setup, (0.0, 0), centre.point.states.clone())
     }
 
+    /// The instant of a point at which some states follow the time: they begin at their initial values and have the rates
+    /// of the point. `follows_time` is empty if none does.
+    pub(super) fn at_time(centre: &'s Centre, setup: Setup<'_>, follows_time: &[bool]) -> Option<Self> {
+        let free = Self::new(centre, setup)?;
+        if !follows_time.contains(&true) {
+            return Some(free);
+        }
+        let start = setup.conditions.laws.initial_point(&setup.conditions.coefficients).states;
+        let mut states = free.states.clone();
+        for (index, state) in states.iter_mut().enumerate() {
+            if follows_time[index] {
+                *state = start[index] + free.voltages.rates[index] * free.time;
+            }
+        }
+        Self::moved(centre, setup, (0.0, 0), states)
+    }
+
     /// The instant some time after a point, at the end of this number of differences, with these states.
     fn moved(
         centre: &'s Centre,

@@ -16,7 +16,7 @@ use patchcord_core::patch::Amount;
 use patchcord_expr::{Equation, Expression, split_primes};
 
 use super::netlist::{Conditions, Netlist, Order, Rewiring};
-use crate::compare::other_value;
+use crate::compare::{names_time, other_value};
 use crate::derive::ranged;
 use instants::{Centre, Setup};
 pub(super) use trial::Trial;
@@ -48,6 +48,8 @@ pub(super) struct Screen<'a> {
     parameters: HashMap<&'a str, usize>,
     /// The names that an equation contains if it writes out the law of a drive. Empty if there are no such laws.
     drive_names: HashSet<&'a str>,
+    /// Whether the equations name the time, so that ramps follow it.
+    names_time: bool,
 }
 
 /// The output that a signal reads.
@@ -89,7 +91,8 @@ impl<'a> Screen<'a> {
         let parameters = circuit.parameters().enumerate().map(|(index, (name, ..))| (name, index)).collect();
         let auxiliaries = auxiliaries(circuit);
         let drive_names = drive_names(circuit, &cases);
-        Screen { netlist, cases, centres, signals, auxiliaries, parameters, drive_names }
+        let names_time = names_time(circuit);
+        Screen { netlist, cases, centres, signals, auxiliaries, parameters, drive_names, names_time }
     }
 
     /// Whether an equation can contain the law of a drive in place of its name.

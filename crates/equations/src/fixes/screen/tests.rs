@@ -113,3 +113,25 @@ fn a_difference_of_second_differences_has_no_value() {
     let passed = passes(&circuit, &Rewiring::default(), Validity::Present);
     assert_eq!(passed[3..], [true, false, true]);
 }
+
+/// The integrator A2 = 50 - 2 t stands for the time in x' = 3 t - x/2.
+const RAMP: &str = r#"
+  "scales": {"one": {"per_volt": 1, "unit": "1"}},
+  "elements": {"P1": {"kind": "pot", "in": "A1", "setting": 0.5},
+               "P2": {"kind": "pot", "in": "A2", "setting": 0.15},
+               "P3": {"kind": "pot", "in": "-100", "setting": 0.75},
+               "A1": {"kind": "integrator", "in": {"x1": ["P1", "P3"], "x10": ["P2"]}},
+               "P4": {"kind": "pot", "in": "+100", "setting": 0.02},
+               "A2": {"kind": "integrator", "in": {"x1": ["P4"]}, "initial": 50}},
+  "signals": {"x": {"at": "A1", "scale": "one"}}"#;
+
+#[test]
+fn an_integrator_with_a_constant_input_follows_the_time() {
+    let equations = ["x' = 3 t - x/2", "x'' = 3 - x'/2", "2 x' = 7 t - x", "3 x' = 9 t + 3 x/2"];
+    let right = circuit(RAMP, &equations);
+    assert_eq!(passes(&right, &Rewiring::default(), Validity::Present), [true, true, false, false]);
+    for (part, wrong) in [("0.02", "0.03"), ("\"initial\": 50", "\"initial\": 40"), ("-100", "+100")] {
+        let circuit = circuit(&RAMP.replace(part, wrong), &equations[..1]);
+        assert_eq!(passes(&circuit, &Rewiring::default(), Validity::Present), [false], "{wrong}");
+    }
+}

@@ -16,6 +16,8 @@ const TOLERANCE: f64 = 1.5e-3;
 const MAX_ORDER: usize = 2;
 /// Size of initial values in volts up to which they count as 0.
 const ZERO: f64 = 1e-7;
+/// Difference of two equal rates by rounding, as a share.
+const SAME_RATE: f64 = 1e-12;
 /// Points that may contradict an equation, because a difference reaches across a corner of a characteristic.
 const MAX_CONTRADICTIONS: usize = 1;
 
@@ -31,6 +33,8 @@ pub(in crate::fixes) struct Trial<'s, 'a> {
     points: Vec<Vec<LazyInstant<'s>>>,
     /// The instants at the start of a run, by case.
     starts: Vec<LazyInstant<'s>>,
+    /// Whether each state follows the time.
+    follows_time: OnceCell<Vec<bool>>,
 }
 
 /// The result of a comparison at one instant.
@@ -61,7 +65,8 @@ impl<'s, 'a> Trial<'s, 'a> {
         let order = Order::new(&screen.netlist, rewiring);
         let lazy = |count: usize| -> Vec<LazyInstant<'s>> { (0..count).map(|_| OnceCell::new()).collect() };
         let points = screen.cases.iter().map(|_| lazy(screen.centres.len())).collect();
-        Trial { screen, rewiring, order, points, starts: lazy(screen.cases.len()) }
+        let starts = lazy(screen.cases.len());
+        Trial { screen, rewiring, order, points, starts, follows_time: OnceCell::new() }
     }
 
     /// The number of loops without an integrator that no open amplifier opens.
@@ -134,7 +139,25 @@ impl<'s, 'a> Trial<'s, 'a> {
     fn point(&self, case: usize, point: usize) -> Option<&Instant<'s>> {
         let screen = self.screen;
         let setup = self.setup(&screen.cases[case], screen.cases[case].has_free_drives);
-        self.points[case][point].get_or_init(|| Instant::new(&screen.centres[point], setup)).as_ref()
+        let follows_time = self.follows_time();
+        let instant = || Instant::at_time(&screen.centres[point], setup, follows_time);
+        self.points[case][point].get_or_init(instant).as_ref()
+    }
+
+    /// Whether each state follows the time: the equations name the time, and the state is a ramp. A ramp has the same rate
+    /// at different points.
+    fn follows_time(&self) -> &[bool] {
+        self.follows_time.get_or_init(|| {
+            let screen = self.screen;
+            let (Some(case), true) = (screen.cases.first(), screen.names_time) else { return Vec::new() };
+            let setup = self.setup(case, case.has_free_drives);
+            let instants = screen.centres.iter().take(2).filter_map(|centre| Instant::new(centre, setup));
+            let rates: Vec<Vec<f64>> = instants.map(|instant| instant.voltages.rates).collect();
+            let [one, other] = rates.as_slice() else { return Vec::new() };
+            let is_ramp =
+                |(one, other): (&f64, &f64)| *one != 0.0 && (one - other).abs() <= SAME_RATE * one.abs();
+            one.iter().zip(other).map(is_ramp).collect()
+        })
     }
 
     /// The wiring with the conditions of a case.

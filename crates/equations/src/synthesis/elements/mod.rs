@@ -5,9 +5,9 @@ pub(super) mod functions;
 mod linear;
 mod networks;
 
-use patchcord_core::document::{Diagnostic, format_number};
+use patchcord_core::document::{Diagnostic, format_number, unit_suffix};
 use patchcord_core::machines::REFERENCE;
-use patchcord_expr::format_significant;
+use patchcord_expr::{format_significant, round_significant};
 use serde_json::Value;
 
 use super::assembly::Assembly;
@@ -18,6 +18,12 @@ use crate::symbolic::{Fraction, nearest};
 
 /// Rounding of a voltage, as a share of it.
 const ROUNDING: f64 = 1e-12;
+/// Significant digits of an advised number.
+const ADVISED_DIGITS: usize = 3;
+/// The factor by which a number grows if rounding to [`ADVISED_DIGITS`] has made it smaller.
+const ROUNDED_UP: f64 = 1.005;
+/// Share of an advised number that counts as its rounding error.
+const NUMBER_TOLERANCE: f64 = 1e-9;
 
 /// Adds the elements of a node.
 ///
@@ -84,6 +90,23 @@ fn add_element(assembly: &mut Assembly<'_>, id: NodeId) -> Result<(), Diagnostic
     Ok(())
 }
 
+/// How to give a node a scale in which a constant is at most 100 V.
+fn larger_scale(design: &Design<'_>, id: NodeId, constant: &Fraction) -> String {
+    let (name, unit) = (&design.input.plan.node(id).name, design.input.unit(id));
+    let size = unit.out_of_si(design.table.expressions.value(constant).abs());
+    let (key, least) = match design.input.prescribed_scale(id) {
+        Some(_) => ("per_volt", size / REFERENCE),
+        None => ("maximum", size),
+    };
+    let rounded = round_significant(least, ADVISED_DIGITS);
+    let rounded = if rounded < least * (1.0 - NUMBER_TOLERANCE) {
+        round_significant(least * ROUNDED_UP, ADVISED_DIGITS)
+    } else {
+        rounded
+    };
+    format!("give {name} a \"{key}\" of at least {}{}", format_number(rounded), unit_suffix(unit.text()))
+}
+
 /// A constant as a voltage at the output of a node with this polarity: its setting and its value.
 ///
 /// A number in a unit other than 1 cannot be in a formula, so it is converted to volts.
@@ -103,7 +126,7 @@ fn volts(
     if !is_possible {
         let name = &design.input.plan.node(id).name;
         let message = format!("{noun} of {name} is {} V with this scale", format_number(volts));
-        let hint = format!("amplifiers have ±100 V: give {name} a larger \"maximum\"");
+        let hint = format!("amplifiers have ±100 V: {}", larger_scale(design, id, constant));
         return Err(design.input.fault(id, message, &hint));
     }
     let is_number = constant.as_rational().is_some();

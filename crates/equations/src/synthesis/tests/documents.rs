@@ -56,9 +56,11 @@ fn the_texts_and_sections_of_the_problem_are_kept() {
     let sketch = mass_and_spring();
     let patch = sketch.synthesis().patch;
     let (made, stated) = (patch.value(), sketch.problem.patch.value());
-    for key in ["title", "source", "note", "parameters", "equations", "run"] {
+    for key in ["title", "source", "note", "parameters", "run"] {
         assert_eq!(made[key], stated[key], "{key}");
     }
+    let equations = json!(["m x'' = -k x - c x'", "x_dot = x'", "x(0) = x0", "x'(0) = 0"]);
+    assert_eq!(made["equations"], equations);
     let keys: Vec<&String> = made.as_object().unwrap().keys().collect();
     let expected = [
         "patchcord",
@@ -208,6 +210,24 @@ fn a_number_in_degrees_becomes_volts() {
     let patch = sketch.with_quantities().synthesis().patch;
     let initial = patch.value()["elements"]["A1"]["initial"].as_f64().unwrap();
     assert!((initial.abs() - 80.0).abs() < 1e-12, "{initial}");
+}
+
+/// The number 20 has the unit mm, which an equation cannot state.
+#[test]
+fn initial_values_with_a_unit_are_stated_if_a_parameter_has_it() {
+    let mut sketch = Sketch::new(
+        r#"{"patchcord": 1, "parameters": {"b0": {"value": 3, "unit": "mm"}},
+        "quantities": {"a": {"unit": "mm", "initial": 20}, "b": {"unit": "mm", "initial": "2 * b0"},
+                       "c": {"unit": "1", "initial": 0.5}, "d": {"unit": "mm", "initial": 0}},
+        "equations": ["a' = 0", "b' = 0", "c' = 0", "d' = 0"], "run": {"for": 1, "step": 1e-3}}"#,
+    );
+    sketch.integral("a", "m", [0.02, 0.0], "0.02", &[]);
+    sketch.integral("b", "m", [0.006, 0.0], "2 * b0", &[]);
+    sketch.integral("c", "1", [0.5, 0.0], "0.5", &[]);
+    sketch.integral("d", "m", [0.01, 0.0], "0", &[]);
+    let patch = sketch.with_quantities().synthesis().patch;
+    let stated = &patch.value()["equations"].as_array().unwrap()[4..];
+    assert_eq!(stated, [json!("b(0) = 2 * b0"), json!("c(0) = 0.5"), json!("d(0) = 0")]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Findings about single entries of a problem: keys, names, numbers and points.
 
-use super::{assert_finding, findings};
+use super::{assert_finding, assert_no_finding, changed, findings};
 use crate::document::Code;
 
 #[test]
@@ -68,6 +68,9 @@ fn a_maximum_is_a_positive_number() {
         "\"maximum\" must be a number, not a text",
         "write the number alone without quotes: the key \"unit\" gives the unit of \"maximum\"",
     );
+    let message = "\"maximum\" must be a number, not a text";
+    let hint = "write 0.5 without quotes";
+    assert_finding(&[(from, "\"maximum\": \"0,5\"")], Code::WRONG_TYPE, "\"0,5\"", message, hint);
     let to = [("\"unit\": \"m/s\"", "\"unit\": \"km/s\""), ("\"per_volt\": 0.5", "\"per_volt\": 1e306")];
     let message = "\"per_volt\" is too large or too small in SI units";
     assert_finding(&to, Code::NOT_FINITE, "1e306", message, "");
@@ -160,10 +163,14 @@ fn a_short_form_gets_the_full_form() {
 }
 
 #[test]
-fn a_run_has_a_length_and_no_phases() {
+fn a_run_has_a_length_a_step_and_no_phases() {
     let from = "\"for\": 3, \"step\"";
     let hint = "the length of the run in s";
     assert_finding(&[(from, "\"step\"")], Code::MISSING_KEY, "{", "\"run\" needs \"for\"", hint);
+    let hint = "write \"step\": 0.003, in s, or \"tolerance\": 1e-6 for steps that adapt";
+    let message = "\"run\" needs \"step\" or \"tolerance\"";
+    assert_finding(&[("\"for\": 3, \"step\": 0.001", "\"for\": 3")], Code::MISSING_KEY, "{", message, hint);
+    assert_no_finding(&changed(&[("\"step\": 0.001", "\"tolerance\": 1e-6")]));
     let to = "\"phases\": [{\"operate\": 3}], \"step\"";
     let message = "the run of a problem has no phases";
     let hint = "write \"for\", the length of the run; add phases to the patch that `patchcord scale` makes";
@@ -176,9 +183,16 @@ fn a_run_has_a_length_and_no_phases() {
 
 #[test]
 fn a_problem_has_quantities_and_equations() {
-    let empty = r#"{"patchcord": 1, "quantities": {}, "equations": [], "run": {"for": 1}}"#;
-    let found = findings(empty);
+    let run = r#""run": {"for": 1, "step": 0.01}"#;
+    let empty = format!(r#"{{"patchcord": 1, "quantities": {{}}, "equations": [], {run}}}"#);
+    let found = findings(&empty);
     let messages: Vec<&str> = found.iter().map(|(_, _, message, _)| message.as_str()).collect();
     assert_eq!(messages, ["the problem has no quantities", "the problem has no equations"]);
     assert!(found.iter().all(|(code, ..)| *code == Code::MISSING_KEY));
+    // Names that the missing section could declare are not reported as well.
+    let missing = format!(r#"{{"patchcord": 1, "equations": ["x' = -x"], {run}}}"#);
+    let message = "the problem needs \"quantities\"".to_owned();
+    let hint = "the unknowns with their units: \"quantities\": {\"x\": {\"unit\": \"mm\", \"initial\": 50}}"
+        .to_owned();
+    assert_eq!(findings(&missing), [(Code::MISSING_KEY, "{".to_owned(), message, hint)]);
 }

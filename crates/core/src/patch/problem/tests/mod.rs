@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use super::*;
 use crate::circuit::Circuit;
-use crate::document::{Code, Diagnostic};
+use crate::document::Code;
 use patchcord_expr::Dimension;
 
 /// A mass on a spring that is a table, and an auxiliary frequency f.
@@ -188,7 +188,8 @@ fn problems_and_patches_are_not_confused() {
     let message = |report: Box<Report>| report.findings[0].message.clone();
     let kind = Patch::parse("p.json", SPRING).unwrap_err();
     assert_eq!(kind.findings[0].message, "this is a problem, where a patch is needed");
-    let hint = "`patchcord scale` makes a patch from it: see docs/problem-format.md";
+    let hint =
+        "`patchcord scale PROBLEM.json --out PATCH.json` makes a patch from it: see docs/problem-format.md";
     assert_eq!(kind.findings[0].advice(), hint);
     let span = kind.findings[0].span.unwrap();
     assert_eq!(&SPRING[span.start..span.end], "\"quantities\"");
@@ -200,11 +201,21 @@ fn problems_and_patches_are_not_confused() {
         message(Problem::parse("p.json", "[]").unwrap_err()),
         "the problem must be an object, not a list"
     );
+    let other = Problem::parse("p.json", "{\"patchcord\": 1}").unwrap_err();
+    assert_eq!(message(other), "this is not a problem: it has no key \"quantities\"");
+    for text in ["", "[]", "x' = -x"] {
+        let report = Problem::parse("p.json", text).unwrap_err();
+        let hint = report.findings[0].advice();
+        assert!(hint.starts_with("a problem is {\"patchcord\": 1, "), "{text}: {hint}");
+    }
+    let other = Problem::parse("p.json", "{}").unwrap_err();
+    assert_eq!(message(other), "this is not a problem: it has no key \"quantities\"");
     let texts = [
         (SPRING, true),
         (patch, false),
         ("{\"patchcord\": 1}", false),
         ("{\"patchcord\": 1, \"drives\": {}, \"equations\": []}", false),
+        ("{\"patchcord\": 1, \"title\": \"a\", \"equations\": []}", true),
         ("{\"patchcord\": 1, \"Quantites\": {}}", true),
         ("{\"patchcord\": 1, \"state variables\": {}}", true),
         ("{\"quantities\": {}}", false),

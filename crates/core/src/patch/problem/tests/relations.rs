@@ -28,7 +28,7 @@ fn the_time_of_a_problem_in_pure_numbers_is_a_pure_number() {
     let problem = |unit: &str| {
         format!(
             r#"{{"patchcord": 1, "quantities": {{"x": {{"unit": "1"}}, "x'": {{"unit": "{unit}"}}}},
-                "equations": ["x'' = -x"], "run": {{"for": 9}}}}"#
+                "equations": ["x'' = -x"], "run": {{"for": 9, "step": 0.01}}}}"#
         )
     };
     assert_no_finding(&problem("1"));
@@ -37,6 +37,18 @@ fn the_time_of_a_problem_in_pure_numbers_is_a_pure_number() {
     let message = "\"1/s\" cannot be the unit of x': x is a pure number".to_owned();
     let expected = (Code::UNIT_MISMATCH, "\"1/s\"".to_owned(), message, hint);
     assert_eq!(findings(&problem("1/s")), [expected]);
+}
+
+#[test]
+fn an_unknown_name_of_an_equation_can_be_declared() {
+    let to = "push - spring(x) - h x";
+    let hint = "declare h as a parameter or a quantity; known here: x, f, push, m, x0, n, w, F, t";
+    let message = "h is not known here";
+    assert_finding(&[("push - spring(x)", to)], Code::UNKNOWN_NAME, "h", message, hint);
+    let to = "push - spring(x) - 2 h x";
+    let hint = "numbers have no units in equations: declare 2 h as a parameter, with \"value\": 2 and \"unit\": \"h\"; or \
+                declare h, if it is a quantity";
+    assert_finding(&[("push - spring(x)", to)], Code::UNKNOWN_NAME, "h", message, hint);
 }
 
 #[test]

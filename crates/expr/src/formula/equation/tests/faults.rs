@@ -11,6 +11,12 @@ fn a_product_without_a_sign_after_a_division_is_ambiguous() {
         ("y = a / b c", "b c", message, "write (a / b) c or a / (b c)"),
         ("y = 1/2 x", "2 x", message, "write (1 / 2) x or 1 / (2 x)"),
         ("y = 1/2x", "2x", message, "write (1 / 2) x or 1 / (2 x)"),
+        (
+            "F = -40 N/m x",
+            "m x",
+            message,
+            "write (-40 N / m) x or -40 N / (m x); a number with a unit, such as -40 N/m, must be a parameter",
+        ),
         ("y = a b / c (d + e)", "c (d + e)", message, "write (a b / c) (d + e) or a b / (c (d + e))"),
         ("y = a / b * c / d e", "d e", message, "write (a / b * c / d) e or a / b * c / (d e)"),
         ("y = 1 + a / sin(b) c", "sin(b) c", message, "write (a / sin(b)) c or a / (sin(b) c)"),
@@ -47,6 +53,12 @@ fn misspelt_and_foreign_functions_are_errors() {
             "if is not a function",
             "equations have no conditions: use step, limit, min and max",
         ),
+        (
+            "y = int(x)",
+            "int",
+            "int is not a function",
+            "the integral of x is a quantity y with the equation y' = x",
+        ),
         ("y = der(x)", "der", "der is not a function", "the derivative of x is written x'"),
         (
             "m x''(t) = F",
@@ -60,11 +72,16 @@ fn misspelt_and_foreign_functions_are_errors() {
             "x'(5) is the product of x' and 5",
             "the product is 5 x'; the value at the start is x'(0)",
         ),
-        ("y = sign(a, b)", "sign(a, b)", "sign takes 1 argument, not 2", ""),
-        ("y = limit(a, b)", "limit(a, b)", "limit takes 3 arguments, not 2", ""),
-        ("y = delay(a)", "delay(a)", "delay takes 2 arguments, not 1", ""),
-        ("y = friction()", "friction()", "friction takes 1 argument, not 0", ""),
-        ("y = min(a)", "min(a)", "min takes 2 arguments, not 1", ""),
+        ("y = sign(a, b)", "sign(a, b)", "sign takes 1 argument, not 2", "write sign( ... )"),
+        (
+            "y = limit(a, b)",
+            "limit(a, b)",
+            "limit takes 3 arguments, not 2",
+            "write limit( ... , ... , ... )",
+        ),
+        ("y = delay(a)", "delay(a)", "delay takes 2 arguments, not 1", "write delay( ... , ... )"),
+        ("y = friction()", "friction()", "friction takes 1 argument, not 0", "write friction( ... )"),
+        ("y = min(a)", "min(a)", "min takes 2 arguments, not 1", "write min( ... , ... )"),
     ]);
 }
 
@@ -85,6 +102,13 @@ fn an_equation_has_one_equals_sign() {
         ("", "", "the equation is empty", ""),
         ("x' - v", "x' - v", "the equation has no =", "write a left and a right side, such as x' = v"),
         ("x' = v = w", "=", "an equation has only one =", "write one equation for each ="),
+        (
+            "x' = v; v' = -x",
+            ";",
+            "; is not allowed in an equation",
+            "write a list with a text for each equation",
+        ),
+        ("y = |x|", "|", "| is not allowed in an equation", "write abs( ... ) for a magnitude"),
         ("x' == v", "==", "== is not allowed in an equation", "write = instead"),
         ("y = (a = b)", "=", "= is not allowed inside parentheses", "close the parenthesis before the ="),
         (
