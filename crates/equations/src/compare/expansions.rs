@@ -80,6 +80,11 @@ impl Expansions {
         Some(known.value.clone())
     }
 
+    /// Whether a quantity is being expanded now.
+    pub(super) fn is_in_progress(&self) -> bool {
+        !self.open.is_empty()
+    }
+
     /// Begins the expansion of a quantity.
     pub(super) fn begin(&mut self, symbol: Symbol) {
         self.open.push((symbol, Trace::default()));

@@ -8,6 +8,7 @@
 mod comparison;
 mod conditions;
 mod delays;
+mod expanded;
 mod expansions;
 pub(crate) mod intended;
 mod model;

@@ -7,12 +7,13 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_expr::{Equation, Expression, Node};
 
+use super::expanded::AuxiliaryValue;
 use super::expansions::{Expansions, TimeLaws};
 use super::intended::fraction;
 use crate::derive::{
     Law, LawKind, ModeLaw, Options, System, Wiring, derive, ramps, simplified, without_unnamed_ramps,
 };
-use crate::symbolic::{Fraction, Symbol, SymbolKind, delay, derivative, step};
+use crate::symbolic::{Fraction, Symbol, SymbolKind, derivative, step};
 
 /// A wiring with the quantities that its equations can name.
 pub(crate) struct Model<'a> {
@@ -22,19 +23,23 @@ pub(crate) struct Model<'a> {
     patch: &'a Patch,
     /// The right sides of the auxiliary quantities, by name.
     auxiliaries: HashMap<&'a str, &'a Node>,
+    /// The latest values of the auxiliary quantities.
+    pub(super) known_auxiliaries: HashMap<&'a str, AuxiliaryValue>,
     /// The quantities that are being expanded, and those that were.
-    expansions: Expansions,
+    pub(super) expansions: Expansions,
+    /// The quantities that were not expanded, because functions would be too deep inside each other.
+    pub(super) too_deep: HashSet<Symbol>,
     /// The ramps as functions of time.
-    ramps: HashMap<Symbol, Fraction>,
+    pub(super) ramps: HashMap<Symbol, Fraction>,
     /// Which of drives and ramps are expanded into their laws of time too.
-    time_laws: TimeLaws,
+    pub(super) time_laws: TimeLaws,
     /// The number of laws that were derived from the wiring. Those of derivatives follow.
     derived_laws: usize,
     /// The states with limits whose rates were used.
     pub limited: BTreeSet<Symbol>,
     /// Whether all quantities are expressed by outputs of the program, for their values at a point. Then the outputs of
     /// delay lines stay as they are, and quantities of loops without a formula have derivatives.
-    is_evaluated: bool,
+    pub(super) is_evaluated: bool,
 }
 
 /// The reason why a quantity has no expression.
@@ -46,6 +51,8 @@ pub(crate) enum Obstacle {
     Implicit(String),
     /// The sides of the equation differ by a small part of their terms at most. The text is this part.
     Deviation(String),
+    /// The formula of this quantity has too many functions inside each other.
+    TooDeep(String),
     /// A value at the start depends on this quantity, which the problem check settles.
     Unsettled(String),
 }
@@ -79,18 +86,16 @@ impl<'a> Model<'a> {
         let free: HashMap<Symbol, Fraction> =
             system.modes.iter().filter_map(|mode| Some((mode.symbol, value_in_motion(mode)?))).collect();
         for law in &mut system.laws {
-            law.kind.for_each_mut(&mut |value| {
-                *value = value.mapped(&mut |symbol| {
-                    free.get(&symbol).cloned().unwrap_or_else(|| Fraction::symbol(symbol))
-                });
-            });
+            law.kind.for_each_mut(&mut |value| *value = value.with_symbols(&free));
         }
         Model {
             derived_laws: system.laws.len(),
             system,
             patch: circuit.patch(),
             auxiliaries: auxiliaries(circuit),
+            known_auxiliaries: HashMap::new(),
             expansions: Expansions::default(),
+            too_deep: HashSet::new(),
             ramps,
             time_laws: TimeLaws::default(),
             limited: BTreeSet::new(),
@@ -107,8 +112,10 @@ impl<'a> Model<'a> {
         kept: &HashSet<Symbol>,
     ) -> Result<Fraction, Obstacle> {
         let (mut value, derivatives) = self.lowest(name, primes, kept)?;
+        self.check_depth(name, &value)?;
         for _ in 0..derivatives {
             value = self.time_derivative(&value, kept)?;
+            self.check_depth(name, &value)?;
         }
         Ok(value)
     }
@@ -120,9 +127,8 @@ impl<'a> Model<'a> {
         primes: usize,
         kept: &HashSet<Symbol>,
     ) -> Result<(Fraction, usize), Obstacle> {
-        if let Some(node) = self.auxiliaries.get(name).copied() {
-            let value = fraction(node, &mut |name| self.named(name, kept))?;
-            return Ok((value, primes));
+        if let Some((name, node)) = self.auxiliaries.get_key_value(name).map(|(name, node)| (*name, *node)) {
+            return Ok((self.auxiliary(name, node, kept)?, primes));
         }
         for order in (0..=primes).rev() {
             let found = u8::try_from(order).ok().and_then(|order| self.symbol(name, order));
@@ -160,6 +166,7 @@ impl<'a> Model<'a> {
     pub(super) fn set_time_laws(&mut self, time_laws: TimeLaws) {
         if time_laws != self.time_laws {
             self.system.laws.truncate(self.derived_laws);
+            self.known_auxiliaries.clear();
             self.time_laws = time_laws;
         }
     }
@@ -177,35 +184,6 @@ impl<'a> Model<'a> {
                 let value = fraction(side, &mut |name| self.named(name, &none));
                 value.is_ok_and(|value| self.contains_time(&value))
             })
-    }
-
-    /// A symbol as a function of states, drives, time and parameters.
-    fn expanded(&mut self, symbol: Symbol, kept: &HashSet<Symbol>) -> Fraction {
-        if self.expansions.stops_at(symbol, kept) {
-            return Fraction::symbol(symbol);
-        }
-        if let Some(known) = self.expansions.known(symbol, kept, self.time_laws) {
-            return known;
-        }
-        let (value, time) = match self.system.law(symbol) {
-            Some(LawKind::Definition(value)) => (value.clone(), None),
-            Some(LawKind::Drive(value)) if self.time_laws.drives => (value.clone(), None),
-            Some(LawKind::State { .. }) if self.time_laws.ramps && self.ramps.contains_key(&symbol) => {
-                (self.ramps[&symbol].clone(), None)
-            }
-            Some(LawKind::Delay { input, time, .. }) if !self.is_evaluated => {
-                (input.clone(), Some(time.clone()))
-            }
-            _ => return Fraction::symbol(symbol),
-        };
-        self.expansions.begin(symbol);
-        let value = self.expanded_fraction(&value, kept);
-        let value = match time {
-            Some(time) => delay(&value, &time),
-            None => value,
-        };
-        self.expansions.end(&value, self.time_laws);
-        value
     }
 
     /// An expression with its symbols expanded.

@@ -4,6 +4,7 @@ use patchcord_expr::{Dimension, round_significant, split_primes};
 
 use super::Agreement;
 use super::comparison::{Comparison, Outcome};
+use super::expanded::MAX_DEPTH;
 use super::model::Obstacle;
 use super::numerical::Difference;
 use super::terms::{DifferenceKind, TermDifference, is_negative};
@@ -24,6 +25,9 @@ impl Obstacle {
             }
             Obstacle::Deviation(share) => {
                 format!("its sides differ by at most {share} of their terms, as by the rounding of a setting")
+            }
+            Obstacle::TooDeep(name) => {
+                format!("the formula of {name} has more than {MAX_DEPTH} functions inside each other")
             }
             Obstacle::Unsettled(name) => {
                 format!("the value at t = 0 depends on {name}, which is no parameter")

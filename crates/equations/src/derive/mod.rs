@@ -1,6 +1,7 @@
 //! Derives the equations of a circuit from its program.
 
 mod loops;
+mod nested_delays;
 mod ramps;
 mod simplify;
 mod system;

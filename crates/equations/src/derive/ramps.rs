@@ -63,6 +63,5 @@ fn constant(value: &Fraction, constants: &HashMap<Symbol, Fraction>) -> Option<F
     if value.contains(&mut |symbol| !symbol.is_constant && !constants.contains_key(&symbol)) {
         return None;
     }
-    let known = |symbol: Symbol| constants.get(&symbol).cloned();
-    Some(value.mapped(&mut |symbol| known(symbol).unwrap_or_else(|| Fraction::symbol(symbol))))
+    Some(value.with_symbols(constants))
 }

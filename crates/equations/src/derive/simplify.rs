@@ -4,11 +4,12 @@
 //! written where they are used. A state without a signal gets the name of a signal that differs from it by a constant
 //! factor and by drives, or of the derivative of such a signal.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
+use super::nested_delays::NestedDelays;
 use super::system::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
 use super::wiring::Wiring;
-use crate::symbolic::{Fraction, Symbol, delay, derivative, partial_derivative, step};
+use crate::symbolic::{Fraction, Symbol, derivative, partial_derivative, step};
 
 /// The largest number of primes of a state. Its rate has one more, which is the largest number in an equation.
 const MOST_PRIMES: u8 = 8;
@@ -61,31 +62,44 @@ impl Simplification<'_> {
             LawKind::Source(Source::Pulses(value)) => Some((law.of, value.clone())),
             _ => None,
         };
-        let found: Vec<_> = self.system.laws.iter().filter_map(pulses).collect();
-        for (symbol, value) in found {
-            self.system.laws.retain(|law| law.of != symbol);
-            self.system.replace(symbol, &value);
-        }
+        let found: HashMap<Symbol, Fraction> = self.system.laws.iter().filter_map(pulses).collect();
+        self.system.laws.retain(|law| !found.contains_key(&law.of));
+        self.system.replace_all(&found);
     }
 
-    /// Replaces the outputs of delay lines without a name, unless they depend on themselves.
+    /// Replaces the outputs of delay lines without a name, unless they depend on themselves or are deep inside each
+    /// other.
     fn replace_delays(&mut self) {
-        let unnamed: Vec<Symbol> =
-            self.system.laws.iter().map(|law| law.of).filter(|of| !self.is_known(*of)).collect();
-        for symbol in unnamed {
-            let Some(LawKind::Delay { input, time, .. }) = self.system.law(symbol) else { continue };
-            let value = delay(input, time);
-            if !value.contains(&mut |other| other == symbol) {
-                self.system.laws.retain(|law| law.of != symbol);
-                self.system.replace(symbol, &value);
+        let mut delays = NestedDelays::default();
+        for law in &self.system.laws {
+            if let LawKind::Delay { input, time, .. } = &law.kind
+                && !self.is_known(law.of)
+            {
+                delays.add(law.of, input, time);
             }
         }
+        self.system.laws.retain(|law| !delays.values.contains_key(&law.of));
+        self.system.replace_all(&delays.values);
     }
 
     /// Gives a state without a name that of a signal. Returns whether it found one.
     fn name_a_state(&mut self) -> bool {
-        let states = self.unnamed_states();
-        let relation = states.into_iter().find_map(|state| self.best_relation(state));
+        let is_drive = |law: &&Law| matches!(law.kind, LawKind::Drive(_));
+        let drives: HashSet<Symbol> = self.system.laws.iter().filter(is_drive).map(|law| law.of).collect();
+        // A signal that names a state contains nothing else that varies, except drives.
+        let mut signals: HashMap<Symbol, Vec<(Symbol, &Fraction)>> = HashMap::new();
+        for law in &self.system.laws {
+            if let LawKind::Definition(value) = &law.kind
+                && self.is_known(law.of)
+                && let Some(only) = only_symbol(value, |symbol| !symbol.is_constant && !drives.contains(&symbol))
+            {
+                signals.entry(only).or_default().push((law.of, value));
+            }
+        }
+        let relation = self
+            .unnamed_states()
+            .into_iter()
+            .find_map(|state| self.best_relation(state, signals.get(&state)?.as_slice()));
         let Some(relation) = relation else { return false };
         self.rename(&relation);
         true
@@ -98,13 +112,10 @@ impl Simplification<'_> {
     }
 
     /// The relation of a state to the signal that names it best: one that is proportional, otherwise one that differs
-    /// by drives.
-    fn best_relation(&self, state: Symbol) -> Option<Relation> {
-        let relation = |law: &Law| match &law.kind {
-            LawKind::Definition(value) if self.is_known(law.of) => self.relation(law.of, value, state),
-            _ => None,
-        };
-        let relations: Vec<Relation> = self.system.laws.iter().filter_map(relation).collect();
+    /// by drives. `signals` are those that contain it, with their values.
+    fn best_relation(&self, state: Symbol, signals: &[(Symbol, &Fraction)]) -> Option<Relation> {
+        let relations = signals.iter().filter_map(|(signal, value)| self.relation(*signal, value, state));
+        let relations: Vec<Relation> = relations.collect();
         let proportional = relations.iter().find(|relation| relation.rest.is_zero());
         proportional.or(relations.first()).cloned()
     }
@@ -185,8 +196,7 @@ impl Simplification<'_> {
             if unnamed.contains(&law.of) || primes >= MOST_PRIMES {
                 return None;
             }
-            // A rate that is proportional to a state contains no other state.
-            let state = found_symbol(rate, |symbol| unnamed.contains(&symbol))?;
+            let state = only_symbol(rate, |symbol| unnamed.contains(&symbol))?;
             let relation = self.relation(law.of, rate, state)?;
             relation.rest.is_zero().then_some(relation)
         });
@@ -197,14 +207,16 @@ impl Simplification<'_> {
     }
 }
 
-/// A symbol in an expression for which a condition holds.
-fn found_symbol(value: &Fraction, is_wanted: impl Fn(Symbol) -> bool) -> Option<Symbol> {
-    let mut found = None;
+/// The only symbol in an expression for which a condition holds. `None` if there are several or none.
+fn only_symbol(value: &Fraction, is_wanted: impl Fn(Symbol) -> bool) -> Option<Symbol> {
+    let (mut only, mut is_alone) = (None, true);
     value.contains(&mut |symbol| {
-        found = is_wanted(symbol).then_some(symbol);
-        found.is_some()
+        if is_wanted(symbol) {
+            is_alone = *only.get_or_insert(symbol) == symbol;
+        }
+        !is_alone
     });
-    found
+    only.filter(|_| is_alone)
 }
 
 /// A signal as a function of a state: signal = factor x state + rest.

@@ -1,5 +1,7 @@
 //! A system of equations in exact symbolic form.
 
+use std::collections::HashMap;
+
 use num_traits::{Signed as _, Zero as _};
 use patchcord_expr::Dimension;
 
@@ -202,13 +204,16 @@ impl System {
 
     /// Replaces a quantity in all laws and modes by an expression. Returns whether any contains it.
     pub(crate) fn replace(&mut self, symbol: Symbol, by: &Fraction) -> bool {
+        self.replace_all(&HashMap::from([(symbol, by.clone())]))
+    }
+
+    /// Replaces quantities in all laws and modes by expressions. Returns whether any contains one of them.
+    pub(crate) fn replace_all(&mut self, by: &HashMap<Symbol, Fraction>) -> bool {
         let mut is_found = false;
         let mut replaced = |fraction: &mut Fraction| {
-            if fraction.contains(&mut |other| other == symbol) {
+            if fraction.contains(&mut |symbol| by.contains_key(&symbol)) {
                 is_found = true;
-                *fraction = fraction.mapped(&mut |other| {
-                    if other == symbol { by.clone() } else { Fraction::symbol(other) }
-                });
+                *fraction = fraction.with_symbols(by);
             }
         };
         self.laws.iter_mut().for_each(|law| law.kind.for_each_mut(&mut replaced));

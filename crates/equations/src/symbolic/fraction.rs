@@ -1,6 +1,6 @@
 //! The normal form of an expression: a sum of products over a product of sums.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use num_traits::{One as _, Signed as _, ToPrimitive as _};
@@ -211,6 +211,11 @@ impl Fraction {
             Atom::Symbol(symbol) => Some(replace(*symbol)),
             Atom::Apply(_) => None,
         })
+    }
+
+    /// The expression with some symbols replaced.
+    pub(crate) fn with_symbols(&self, by: &HashMap<Symbol, Fraction>) -> Fraction {
+        self.mapped(&mut |symbol| by.get(&symbol).cloned().unwrap_or_else(|| Fraction::symbol(symbol)))
     }
 
     /// The expression with some factors replaced, also inside functions. A factor stays if `replace` gives `None`. It is
