@@ -6,7 +6,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::nested_delays::NestedDelays;
+use super::nested_delays::{DelayLine, nested};
 use super::system::{Law, LawKind, ModeLaw, Source, System, TransitionLaw};
 use super::wiring::Wiring;
 use crate::symbolic::{Fraction, Symbol, derivative, partial_derivative, step};
@@ -70,16 +70,14 @@ impl Simplification<'_> {
     /// Replaces the outputs of delay lines without a name, unless they depend on themselves or are deep inside each
     /// other.
     fn replace_delays(&mut self) {
-        let mut delays = NestedDelays::default();
-        for law in &self.system.laws {
-            if let LawKind::Delay { input, time, .. } = &law.kind
-                && !self.is_known(law.of)
-            {
-                delays.add(law.of, input, time);
-            }
-        }
-        self.system.laws.retain(|law| !delays.values.contains_key(&law.of));
-        self.system.replace_all(&delays.values);
+        let unnamed = self.system.laws.iter().filter(|law| !self.is_known(law.of));
+        let lines = unnamed.filter_map(|law| match &law.kind {
+            LawKind::Delay { input, time, .. } => Some(DelayLine { output: law.of, input, time }),
+            _ => None,
+        });
+        let values = nested(&lines.collect::<Vec<_>>());
+        self.system.laws.retain(|law| !values.contains_key(&law.of));
+        self.system.replace_all(&values);
     }
 
     /// Gives a state without a name that of a signal. Returns whether it found one.
