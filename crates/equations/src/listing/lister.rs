@@ -27,7 +27,7 @@ impl Lister<'_> {
     /// The laws in the order in which the patch names their quantities.
     pub(super) fn listing(&self) -> EquationListing {
         let mut laws: Vec<&Law> = self.system.laws.iter().collect();
-        laws.sort_by_key(|law| self.place(law.of));
+        laws.sort_by_cached_key(|law| self.place(law.of));
         let (mut equations, mut drives, mut remarks) = (Vec::new(), Vec::new(), Vec::new());
         for law in &laws {
             match &law.kind {

@@ -1,5 +1,7 @@
 //! Symbols: the named quantities of expressions.
 
+use std::collections::HashMap;
+
 use patchcord_expr::Dimension;
 
 /// A named quantity: a parameter, a variable, the time or pi. [`Symbols`] has its name.
@@ -49,6 +51,8 @@ pub(crate) struct Symbols {
     entries: Vec<SymbolEntry>,
     /// The symbol of each entry.
     symbols: Vec<Symbol>,
+    /// The indices of the symbols with each name, in ascending order.
+    by_name: HashMap<String, Vec<usize>>,
 }
 
 impl Symbols {
@@ -57,6 +61,7 @@ impl Symbols {
         let is_constant = matches!(entry.kind, SymbolKind::Pi | SymbolKind::Parameter(_));
         let index = self.entries.len() as u32;
         let symbol = Symbol { index, is_nonnegative, is_positive: false, is_constant };
+        self.by_name.entry(entry.name.clone()).or_default().push(self.entries.len());
         self.entries.push(entry);
         self.symbols.push(symbol);
         symbol
@@ -86,14 +91,23 @@ impl Symbols {
 
     /// The first symbol with this name and number of primes. Pi, parameters and the time come before variables.
     pub(crate) fn find(&self, name: &str, primes: u8) -> Option<Symbol> {
-        let mut entries = self.entries();
-        entries.find(|(_, entry)| entry.name == name && entry.primes == primes).map(|(symbol, _)| symbol)
+        self.named(name).find(|(_, entry)| entry.primes == primes).map(|(symbol, _)| symbol)
     }
 
     /// The first variable with this name and number of primes. A parameter may have the same name.
     pub(crate) fn find_variable(&self, name: &str, primes: u8) -> Option<Symbol> {
-        let mut variables = self.entries().filter(|(_, entry)| entry.kind == SymbolKind::Variable);
-        variables.find(|(_, entry)| entry.name == name && entry.primes == primes).map(|(symbol, _)| symbol)
+        self.variables(name).find(|(_, entry)| entry.primes == primes).map(|(symbol, _)| symbol)
+    }
+
+    /// The symbols with a name, with their entries.
+    fn named(&self, name: &str) -> impl Iterator<Item = (Symbol, &SymbolEntry)> {
+        let indices = self.by_name.get(name).into_iter().flatten();
+        indices.map(move |index| (self.symbols[*index], &self.entries[*index]))
+    }
+
+    /// The variables with a name, with their entries.
+    fn variables(&self, name: &str) -> impl Iterator<Item = (Symbol, &SymbolEntry)> {
+        self.named(name).filter(|(_, entry)| entry.kind == SymbolKind::Variable)
     }
 
     /// All symbols with their entries.
@@ -113,7 +127,6 @@ impl Symbols {
 
     /// The index of the first variable with this name.
     pub(crate) fn first_of_name(&self, name: &str) -> Option<u32> {
-        let mut variables = self.entries().filter(|(_, entry)| entry.kind == SymbolKind::Variable);
-        variables.find(|(_, entry)| entry.name == name).map(|(symbol, _)| symbol.index)
+        self.variables(name).next().map(|(symbol, _)| symbol.index)
     }
 }
