@@ -10,9 +10,9 @@
 mod application;
 mod apply;
 mod derivative;
-mod elimination;
 mod evaluate;
 mod fraction;
+mod linear_system;
 mod monomial;
 mod number;
 mod polynomial;
@@ -25,6 +25,7 @@ pub(crate) use apply::{absolute, call, delay, opaque, root, sign, step, with_red
 pub(crate) use derivative::{derivative, partial_derivative};
 pub(crate) use evaluate::{Values, is_at_switch, term_size, value};
 pub(crate) use fraction::Fraction;
+pub(crate) use linear_system::linear_solution;
 pub(crate) use monomial::{Atom, CallOrder, Monomial, Operation};
 pub(crate) use number::{Rational, nearest, whole};
 pub(crate) use polynomial::Polynomial;

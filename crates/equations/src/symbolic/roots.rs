@@ -1,9 +1,9 @@
 //! Values at which several expressions are 0, by Newton's method.
 
 use super::derivative::partial_derivative;
-use super::elimination::solved;
 use super::evaluate::{Values, ZERO_SHARE, term_size, value};
 use super::fraction::Fraction;
+use super::linear_system::linear_solution;
 use super::symbol::Symbol;
 
 /// Steps at most.
@@ -50,7 +50,7 @@ impl Roots {
             if self.expressions.iter().zip(&sums).all(is_zero) {
                 return Some(trial);
             }
-            let step = solved(self.matrix(&trial, values), sums)?;
+            let step = linear_solution(&self.matrix(&trial, values), sums)?;
             trial.iter_mut().zip(step).for_each(|(value, step)| *value -= step);
             if trial.iter().any(|value| !value.is_finite()) {
                 return None;
@@ -61,7 +61,7 @@ impl Roots {
 
     /// Whether the expressions determine the unknowns near these values: the matrix of derivatives is regular.
     pub(crate) fn is_regular(&self, trial: &[f64], values: &dyn Values) -> bool {
-        solved(self.matrix(trial, values), vec![0.0; trial.len()]).is_some()
+        linear_solution(&self.matrix(trial, values), vec![0.0; trial.len()]).is_some()
     }
 
     /// All quantities, with these values of the unknowns.

@@ -1,9 +1,8 @@
 //! Solves loops without an integrator by Newton's method.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::Order;
 use super::evaluation::Evaluation;
+use crate::symbolic::linear_solution;
 
 /// Loops with more unknown voltages are not solved.
 const MAX_TEARS: usize = 6;
@@ -80,27 +79,5 @@ impl Evaluation<'_> {
             slopes[column][column] -= 1.0;
         }
         (residuals, slopes)
-    }
-}
-
-/// The solution of a system of linear equations. `None` if the system is singular.
-fn linear_solution(matrix: &[Vec<f64>], right: Vec<f64>) -> Option<Vec<f64>> {
-    let count = right.len();
-    let matrix = DMatrix::from_fn(count, count, |row, column| matrix[row][column]);
-    let solution = matrix.lu().solve(&DVector::from_vec(right))?;
-    solution.iter().all(|value| value.is_finite()).then(|| solution.as_slice().to_vec())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::linear_solution;
-
-    #[test]
-    fn linear_systems_are_solved() {
-        // 2 y = 4 and 3 x + y = 11, in an order that needs an exchange of rows.
-        let found = linear_solution(&[vec![0.0, 2.0], vec![3.0, 1.0]], vec![4.0, 11.0]);
-        assert_eq!(found, Some(vec![3.0, 2.0]));
-        assert_eq!(linear_solution(&[vec![1.0, 2.0], vec![2.0, 4.0]], vec![1.0, 2.0]), None);
-        assert_eq!(linear_solution(&[vec![f64::NAN]], vec![1.0]), None);
     }
 }
