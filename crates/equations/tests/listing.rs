@@ -313,3 +313,51 @@ fn a_signal_of_the_time_is_compared_with_the_time() {
     let within = Agreement::SolvedIf(vec!["clock < 18 s".to_owned()]);
     assert_eq!(agreement(&mut limited, "clock' = 1"), within);
 }
+
+/// A patch with an integrator A1 as x, and with a chain of elements from it back to its input. `element` makes the
+/// element with a number from 2 to `last` from the name of the one in front of it.
+fn chain(last: usize, element: impl Fn(usize, String) -> Value) -> Value {
+    let name = |number: usize| format!("A{number}");
+    let mut elements: Map<String, Value> =
+        (2..=last).map(|number| (name(number), element(number, name(number - 1)))).collect();
+    elements.insert(name(1), json!({"kind": "integrator", "in": {"x1": [name(last)]}, "initial": 50}));
+    json!({
+        "patchcord": 1,
+        "scales": {"one": {"per_volt": 1, "unit": "1"}},
+        "elements": elements,
+        "signals": {"x": {"at": "A1", "scale": "one"}},
+    })
+}
+
+#[test]
+fn states_deep_in_a_chain_of_integrators_keep_the_names_of_their_elements() {
+    let found = equations(&chain(300, |_, before| json!({"kind": "integrator", "in": {"x1": [before]}})));
+    // x' = -A300, x'' = A299 and so on. The ninth derivative is the last one that an equation can name.
+    assert_eq!(found.len(), 292);
+    assert!(found.contains(&"x''''''''' = -A292".to_owned()), "{}", found[0]);
+    assert!(found.contains(&"A292' = -A291".to_owned()) && found.contains(&"A2' = -x".to_owned()));
+}
+
+#[test]
+fn a_long_chain_of_delay_lines_has_several_equations() {
+    let mut patch = chain(301, |_, before| json!({"kind": "delay", "in": before, "delay": 0.01}));
+    let found = equations(&patch);
+    assert_eq!(found.len(), 6, "{found:?}");
+    assert_eq!(found.iter().map(|text| text.matches("delay(").count()).sum::<usize>(), 300);
+    let names: Vec<&str> = found.iter().filter_map(|text| text.split(' ').next()).collect();
+    assert_eq!(names, ["x'", "A52", "A103", "A154", "A205", "A256"]);
+    let Agreement::Undecided(text) = agreement(&mut patch, "x' = -x") else { panic!("it is too deep") };
+    assert_eq!(text, "the formula of x' has more than 200 functions inside each other");
+}
+
+#[test]
+fn a_long_chain_of_functions_is_not_compared() {
+    let mut patch = chain(3001, |number, before| {
+        let kind = if number % 2 == 0 { "absolute" } else { "sin" };
+        json!({"kind": kind, "in": before})
+    });
+    let Agreement::Undecided(text) = agreement(&mut patch, "x' = -x") else { panic!("it is too deep") };
+    assert_eq!(text, "the formula of x' has more than 200 functions inside each other");
+    let mut inverters = chain(3001, |_, before| json!({"kind": "inverter", "in": before}));
+    assert_eq!(agreement(&mut inverters, "x' = -x"), Agreement::Solved);
+}

@@ -8,6 +8,7 @@ use super::expansions::TimeLaws;
 use super::intended::fraction;
 use super::model::{Model, Obstacle};
 use crate::derive::LawKind;
+use crate::notation::primed;
 use crate::symbolic::{Fraction, Symbol, delay};
 
 /// The largest number of functions inside each other in an expression that is compared. Walks through an expression use
@@ -114,15 +115,15 @@ impl<'a> Model<'a> {
         places.into_iter().map(|place| self.system.laws[place].of).collect()
     }
 
-    /// Checks that the expression of a quantity is complete and can be compared.
+    /// Checks that the expression of a quantity with this number of derivatives is complete and can be compared.
     ///
     /// # Errors
     /// If functions are too deep inside each other.
-    pub(super) fn check_depth(&self, name: &str, value: &Fraction) -> Result<(), Obstacle> {
+    pub(super) fn check_depth(&self, name: &str, primes: usize, value: &Fraction) -> Result<(), Obstacle> {
         let is_incomplete =
             !self.too_deep.is_empty() && value.contains(&mut |symbol| self.too_deep.contains(&symbol));
         if is_incomplete || value.depth() > MAX_DEPTH {
-            return Err(Obstacle::TooDeep(name.to_owned()));
+            return Err(Obstacle::TooDeep(primed(name, primes)));
         }
         Ok(())
     }

@@ -112,10 +112,10 @@ impl<'a> Model<'a> {
         kept: &HashSet<Symbol>,
     ) -> Result<Fraction, Obstacle> {
         let (mut value, derivatives) = self.lowest(name, primes, kept)?;
-        self.check_depth(name, &value)?;
-        for _ in 0..derivatives {
+        self.check_depth(name, primes - derivatives, &value)?;
+        for left in (0..derivatives).rev() {
             value = self.time_derivative(&value, kept)?;
-            self.check_depth(name, &value)?;
+            self.check_depth(name, primes - left, &value)?;
         }
         Ok(value)
     }

@@ -3,6 +3,7 @@
 mod arithmetic;
 mod derivatives;
 mod functions;
+mod long;
 mod random_trees;
 
 use crate::testing::reading::read_sides;
