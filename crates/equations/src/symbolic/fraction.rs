@@ -7,7 +7,7 @@ use num_traits::{One as _, Signed as _, ToPrimitive as _};
 use patchcord_expr::Function;
 
 use super::application::Application;
-use super::apply::{absolute, opaque, powers_reduced, step};
+use super::apply::{absolute, opaque, powers_reduced, step, with_reduced_powers};
 use super::monomial::{Atom, CallOrder, Monomial, Operation};
 use super::number::{Rational, exact, whole};
 use super::polynomial::Polynomial;
@@ -113,7 +113,7 @@ impl Fraction {
     /// The product of all divisors of two expressions, and the numerators of both over it.
     pub(crate) fn over_common_divisors(both: [&Fraction; 2]) -> (Fraction, [Polynomial; 2]) {
         let divisors = common_divisors(both[0], both[1]);
-        let numerators = both.map(|fraction| fraction.numerator_over(&divisors));
+        let numerators = both.map(|fraction| with_reduced_powers(fraction.numerator_over(&divisors)));
         let product = divisors.iter().fold(Fraction::whole(1), |product, (divisor, power)| {
             product.times(&Fraction::from(divisor.clone()).power(*power as i32))
         });

@@ -1,6 +1,6 @@
 //! Evaluates the body of a program with expressions, and solves its loops.
 
-use patchcord_core::ir::{Loop, Op, Register};
+use patchcord_core::ir::{Loop, Op, Register, Tear};
 use patchcord_expr::Dimension;
 
 use super::super::loops::{Unknown, solve};
@@ -119,39 +119,15 @@ impl Derivation<'_> {
     /// loop. A tear that can be solved for is replaced by its solution. The others become quantities with an implicit
     /// law.
     fn close_loop(&mut self, entry: &Loop, needed: &[bool]) {
-        let mut unknowns = Vec::new();
-        for tear in &entry.tears {
-            if !self.wiring.names.contains_key(&tear.register) {
-                // The name is used only if the loop cannot be solved.
-                let symbol = self.wiring.system.symbols.variable(&tear.name, 0, Dimension::VOLTAGE);
-                unknowns.push((Output { symbol, per_volt: Fraction::whole(1) }, false));
-            } else {
-                unknowns.push((self.wiring.names[&tear.register].clone(), true));
-            }
-            self.values[tear.register.index()] = unknowns.last().map(|(output, _)| output.volts());
-        }
+        let unknowns: Vec<(Output, bool)> = entry.tears.iter().map(|tear| self.unknown(tear)).collect();
         let range = entry.operations.clone();
         range.clone().filter(|at| needed[*at]).for_each(|at| self.register(at, false));
-        let residuals = entry.tears.iter().zip(&unknowns).map(|(tear, (output, _))| {
-            let demand = self.value(tear.result);
-            match tear.amplification {
-                None => output.volts().minus(&demand),
-                Some(index) => {
-                    let amplification = &self.coefficients[index as usize];
-                    let sum = demand.over(amplification).negated();
-                    if self.options.has_ideal_amplifiers {
-                        sum
-                    } else {
-                        sum.plus(&output.volts().over(amplification))
-                    }
-                }
-            }
+        let system = entry.tears.iter().zip(&unknowns).map(|(tear, (output, _))| Unknown {
+            of: output.symbol,
+            residual: self.residual(tear, output),
+            is_open: tear.amplification.is_some(),
         });
-        let is_open = entry.tears.iter().map(|tear| tear.amplification.is_some());
-        let system: Vec<Unknown> = (unknowns.iter().zip(residuals).zip(is_open))
-            .map(|(((output, _), residual), is_open)| Unknown { of: output.symbol, residual, is_open })
-            .collect();
-        let solutions = solve(system);
+        let solutions = solve(system.collect());
         for ((tear, (output, is_named)), solution) in entry.tears.iter().zip(&unknowns).zip(solutions) {
             let (value, kind) = match solution {
                 Ok(value) if *is_named => (output.volts(), Some(LawKind::Definition(value))),
@@ -163,5 +139,31 @@ impl Derivation<'_> {
             self.wiring.names.entry(tear.register).or_insert_with(|| output.clone());
         }
         range.filter(|at| needed[*at]).for_each(|at| self.register(at, true));
+    }
+
+    /// The quantity at the output at which a loop is opened, and whether the output has a name.
+    fn unknown(&mut self, tear: &Tear) -> (Output, bool) {
+        let named = self.wiring.names.get(&tear.register).cloned();
+        let is_named = named.is_some();
+        let output = named.unwrap_or_else(|| {
+            // The name is used only if the loop cannot be solved.
+            let symbol = self.wiring.system.symbols.variable(&tear.name, 0, Dimension::VOLTAGE);
+            Output { symbol, per_volt: Fraction::whole(1) }
+        });
+        self.values[tear.register.index()] = Some(output.volts());
+        (output, is_named)
+    }
+
+    /// The expression that is 0 at the voltage of a tear: the difference between the output and the demanded one. For an
+    /// open amplifier it is the sum of its inputs and of its output over the amplification.
+    fn residual(&self, tear: &Tear, output: &Output) -> Fraction {
+        let demand = self.value(tear.result);
+        let Some(index) = tear.amplification else { return output.volts().minus(&demand) };
+        let amplification = &self.coefficients[index as usize];
+        let sum = demand.over(amplification).negated();
+        if self.options.has_ideal_amplifiers {
+            return sum;
+        }
+        sum.plus(&output.volts().over(amplification))
     }
 }

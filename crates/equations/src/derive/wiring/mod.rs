@@ -89,6 +89,35 @@ fn least_value(parameter: &ParameterValue) -> f64 {
     parameter.declared.range.map_or(parameter.value, |(low, _)| low)
 }
 
+/// The symbol of pi, and a wiring with the symbols of pi, the parameters and the time, and with no laws.
+fn without_laws(program: &Program) -> (Symbol, Wiring) {
+    let mut symbols = Symbols::default();
+    let entry = |name: &str, kind, dimension| SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
+    let pi = symbols.add_positive(entry("pi", SymbolKind::Pi, Dimension::NONE));
+    let parameters = program.parameters().iter().enumerate().map(|(index, parameter)| {
+        let declared = &parameter.declared;
+        let entry = entry(&declared.name, SymbolKind::Parameter(index), declared.dimension);
+        if least_value(parameter) > 0.0 {
+            return symbols.add_positive(entry);
+        }
+        symbols.add(entry, is_nonnegative(parameter))
+    });
+    let parameters: Vec<Symbol> = parameters.collect();
+    let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);
+    let tables = tables(program);
+    let wiring = Wiring {
+        system: System { symbols, laws: Vec::new(), modes: Vec::new(), tables, margins: Vec::new() },
+        states: Vec::new(),
+        names: HashMap::new(),
+        delayed: Vec::new(),
+        sampled: Vec::new(),
+        levels: Vec::new(),
+        parameters,
+        time,
+    };
+    (pi, wiring)
+}
+
 /// A derivation in progress.
 struct Derivation<'a> {
     program: &'a Program,
@@ -111,45 +140,17 @@ struct Derivation<'a> {
 impl<'a> Derivation<'a> {
     /// Adds the symbols of everything that has no voltage, and evaluates the prologue.
     fn new(circuit: &'a Circuit, program: &'a Program, options: Options) -> Self {
-        let mut symbols = Symbols::default();
-        let entry =
-            |name: &str, kind, dimension| SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
-        let pi = symbols.add_positive(entry("pi", SymbolKind::Pi, Dimension::NONE));
-        let parameters = program.parameters().iter().enumerate().map(|(index, parameter)| {
-            let declared = &parameter.declared;
-            let entry = entry(&declared.name, SymbolKind::Parameter(index), declared.dimension);
-            if least_value(parameter) > 0.0 {
-                return symbols.add_positive(entry);
-            }
-            symbols.add(entry, is_nonnegative(parameter))
-        });
-        let parameters: Vec<Symbol> = parameters.collect();
-        let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);
-        let tables = tables(program);
-        let system = System { symbols, laws: Vec::new(), modes: Vec::new(), tables, margins: Vec::new() };
-        let wiring = Wiring {
-            system,
-            states: Vec::new(),
-            names: HashMap::new(),
-            delayed: Vec::new(),
-            sampled: Vec::new(),
-            levels: Vec::new(),
-            parameters,
-            time,
-        };
-        let unlimited = program.lamps().iter().map(|lamp| (lamp.output, lamp.demand)).collect();
-        let values = vec![None; program.body().len()];
-        let coefficients = Vec::new();
+        let (pi, wiring) = without_laws(program);
         let mut derivation = Derivation {
             program,
             circuit,
             options,
             wiring,
             pi,
-            coefficients,
-            unlimited,
+            coefficients: Vec::new(),
+            unlimited: program.lamps().iter().map(|lamp| (lamp.output, lamp.demand)).collect(),
             ranged: ranged(program.body()),
-            values,
+            values: vec![None; program.body().len()],
             intermediates: 0,
         };
         derivation.coefficients = derivation.prologue();
