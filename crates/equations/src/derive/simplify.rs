@@ -84,12 +84,13 @@ impl Simplification<'_> {
     fn name_a_state(&mut self) -> bool {
         let is_drive = |law: &&Law| matches!(law.kind, LawKind::Drive(_));
         let drives: HashSet<Symbol> = self.system.laws.iter().filter(is_drive).map(|law| law.of).collect();
+        let varies = |symbol: Symbol| !symbol.is_constant && !drives.contains(&symbol);
         // A signal that names a state contains nothing else that varies, except drives.
         let mut signals: HashMap<Symbol, Vec<(Symbol, &Fraction)>> = HashMap::new();
         for law in &self.system.laws {
             if let LawKind::Definition(value) = &law.kind
                 && self.is_known(law.of)
-                && let Some(only) = only_symbol(value, |symbol| !symbol.is_constant && !drives.contains(&symbol))
+                && let Some(only) = only_symbol(value, varies)
             {
                 signals.entry(only).or_default().push((law.of, value));
             }

@@ -98,9 +98,8 @@ mod tests {
     #[test]
     fn a_function_is_replaced_with_its_arguments() {
         let sine = read("sin(x)").numerator().atoms().next().cloned();
-        let found = read("sin(x)^2 + y abs(sin(x) + x)/sin(x)").with_factors(&mut |atom| {
-            (Some(atom) == sine.as_ref()).then(|| read("2 z"))
-        });
+        let found = read("sin(x)^2 + y abs(sin(x) + x)/sin(x)")
+            .with_factors(&mut |atom| (Some(atom) == sine.as_ref()).then(|| read("2 z")));
         assert_eq!(found, read("4 z^2 + y abs(2 z + x)/(2 z)"));
     }
 }

@@ -83,11 +83,9 @@ impl Writer<'_> {
             | Operation::Maximum
             | Operation::Limit => applied.arguments.iter().find_map(|argument| self.dimension(argument)),
             Operation::Call(_) => Some(Dimension::NONE),
-            Operation::Absolute
-            | Operation::Step
-            | Operation::Sign
-            | Operation::Group
-            | Operation::Delay => self.dimension(&applied.arguments[0]),
+            Operation::Absolute | Operation::Step | Operation::Sign | Operation::Group | Operation::Delay => {
+                self.dimension(&applied.arguments[0])
+            }
         }
     }
 }

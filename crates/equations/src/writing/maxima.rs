@@ -8,7 +8,9 @@ mod limits;
 
 use num_traits::{One as _, Signed as _, Zero as _};
 
-use crate::symbolic::{Atom, Fraction, Monomial, Operation, Polynomial, Rational, whole, with_reduced_powers};
+use crate::symbolic::{
+    Atom, Fraction, Monomial, Operation, Polynomial, Rational, whole, with_reduced_powers,
+};
 use limits::{limited, unnested};
 
 /// A sum with its absolute values as limits, minima and maxima where that is shorter. A long sum keeps them, because the

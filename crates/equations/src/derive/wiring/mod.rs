@@ -92,7 +92,8 @@ fn least_value(parameter: &ParameterValue) -> f64 {
 /// The symbol of pi, and a wiring with the symbols of pi, the parameters and the time, and with no laws.
 fn without_laws(program: &Program) -> (Symbol, Wiring) {
     let mut symbols = Symbols::default();
-    let entry = |name: &str, kind, dimension| SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
+    let entry =
+        |name: &str, kind, dimension| SymbolEntry { name: name.to_owned(), primes: 0, kind, dimension };
     let pi = symbols.add_positive(entry("pi", SymbolKind::Pi, Dimension::NONE));
     let parameters = program.parameters().iter().enumerate().map(|(index, parameter)| {
         let declared = &parameter.declared;

@@ -61,7 +61,8 @@ fn products_of_maxima_and_quotients_of_quotients_have_values() {
     let begin = Instant::now();
     let maxima = "max(x, y) max(x, p) max(y, q) max(x, q) max(x, z) max(y, p) max(z, q) max(z, p) max(x, 3)";
     assert_near(value(&read(maxima), &POINT), 0.7 * 1.3 * 0.9 * 0.9 * 2.0 * 1.3 * 2.0 * 2.0 * 3.0);
-    let quotients = "1/(1 + 1/(x + p + 1/(z + q + 1/(x + p^2 + 1/(z + q^2 + 1/(x + p^3 + 1/(z + q^3 + 1/z)))))))";
+    let quotients =
+        "1/(1 + 1/(x + p + 1/(z + q + 1/(x + p^2 + 1/(z + q^2 + 1/(x + p^3 + 1/(z + q^3 + 1/z)))))))";
     let (x, z, p, q) = (0.7_f64, 2.0_f64, 1.3_f64, 0.9_f64);
     let divisors = [z, z + q.powi(3), x + p.powi(3), z + q * q, x + p * p, z + q, x + p, 1.0];
     let expected = divisors.into_iter().fold(0.0, |inner, own| (own + inner).recip());
