@@ -42,6 +42,8 @@ enum Cause {
     Data(String),
     /// The patch is wrong. The report has the positions.
     Patch(Box<Report>),
+    /// A problem is wrong, or has no patch. The report has the positions.
+    Problem(Box<Report>),
     /// An experiment is wrong, or its patch. The first report is that of the first wrong document.
     Experiment(Vec<Report>),
     /// Effects are wrong.
@@ -66,6 +68,7 @@ struct FailureDocument<'a> {
 enum CauseDocument<'a> {
     Message { error: &'a str },
     Patch { patch: &'a str, diagnostics: Vec<DiagnosticDocument> },
+    Problem { problem: &'a str, diagnostics: Vec<DiagnosticDocument> },
     Experiment { experiment: Option<&'a str>, diagnostics: Vec<DiagnosticDocument> },
     Effects { effect: Option<&'a str>, diagnostics: Vec<DiagnosticDocument> },
 }
@@ -101,6 +104,16 @@ impl Failure {
         Failure { json, ..self }
     }
 
+    /// The same failure, if the file of the report is a problem and no patch. Then the JSON document has the key
+    /// `problem`.
+    pub(super) fn of_problem(self) -> Self {
+        let cause = match self.cause {
+            Cause::Patch(report) => Cause::Problem(report),
+            cause => cause,
+        };
+        Failure { cause, ..self }
+    }
+
     /// Adds a key to the JSON document.
     pub(super) fn with_detail(mut self, key: &str, value: Value) -> Self {
         self.details.insert(key.to_owned(), value);
@@ -126,7 +139,7 @@ impl Failure {
             Cause::Usage(message) | Cause::Data(message) | Cause::Overload(message) => {
                 eprint(&format!("error: {message}"));
             }
-            Cause::Patch(report) => eprint_report(report),
+            Cause::Patch(report) | Cause::Problem(report) => eprint_report(report),
             Cause::Experiment(reports) | Cause::Effects(reports) => reports.iter().for_each(eprint_report),
             Cause::AlreadyPrinted(_) => (),
         }
@@ -141,7 +154,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match &self.cause {
             Cause::Usage(_) | Cause::AlreadyPrinted(_) => 2,
-            Cause::Data(_) | Cause::Experiment(_) | Cause::Effects(_) => 1,
+            Cause::Data(_) | Cause::Problem(_) | Cause::Experiment(_) | Cause::Effects(_) => 1,
             Cause::Overload(_) => 3,
             Cause::Patch(report) if concerns_command_line(report) => 2,
             Cause::Patch(_) => 1,
@@ -157,6 +170,9 @@ impl Failure {
             | Cause::Overload(error) => CauseDocument::Message { error },
             Cause::Patch(report) => {
                 CauseDocument::Patch { patch: &report.file, diagnostics: report.documents() }
+            }
+            Cause::Problem(report) => {
+                CauseDocument::Problem { problem: &report.file, diagnostics: report.documents() }
             }
             Cause::Experiment(reports) => {
                 CauseDocument::Experiment { experiment: first_file(reports), diagnostics: findings(reports) }
