@@ -28,15 +28,15 @@ fn fault(text: &str) -> (Diagnostic, &str) {
 }
 
 #[test]
-fn a_sign_that_acts_on_itself_gets_advice_in_equations() {
-    // x falls by 1 in each second and reaches 0 after 1 s, where sign(x) switches it back at once.
+fn a_step_that_acts_on_itself_gets_advice_in_equations() {
+    // x falls by 1/2 in each second and reaches 0 after 2 s, where step(x) switches it back at once.
     let quantities = r#""x": {"unit": "1", "initial": 1}"#;
-    let text = problem(quantities, r#""T x' = -sign(x)""#);
+    let text = problem(quantities, r#""T x' = 0.5 - step(x)""#);
     let (finding, position) = fault(&text);
     assert_eq!((finding.code, position), (codes::NO_SOLUTION, "\"x\""));
-    assert_eq!(finding.message, "sign(x) switches without end at t = 1 s");
-    assert!(finding.advice().contains("limit(x / w, -1, 1) in place of sign(x)"), "{}", finding.advice());
-    let advised = problem(quantities, r#""T x' = -limit(x / w, -1, 1)""#);
+    assert_eq!(finding.message, "step(x) switches without end at t = 2 s");
+    assert!(finding.advice().contains("limit(x / w, 0, 1) in place of step(x)"), "{}", finding.advice());
+    let advised = problem(quantities, r#""T x' = 0.5 - limit(x / w, 0, 1)""#);
     let problem = Problem::parse("p.json", &advised).unwrap_or_else(|report| panic!("{report}"));
     let scaled = scale_problem(&problem, &ScaleOptions::default());
     let warnings = scaled.unwrap_or_else(|error| panic!("{error}")).warnings;
