@@ -17,7 +17,7 @@ use super::standard_streams::check_input;
 use super::table::Table;
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{DiagnosticDocument, Report, escape_controls, plural};
+use patchcord::document::{DiagnosticDocument, DocumentError, Report, escape_controls, plural};
 use patchcord::equations::{
     NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
 };
@@ -60,7 +60,7 @@ fn machine(name: &str) -> Result<&'static MachineModel, String> {
 /// The scales are chosen before anything is written, so a problem without a circuit leaves no file.
 pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
     check_input(&arguments.problem)?;
-    let problem = Problem::read(&arguments.problem).map_err(|error| Failure::from(error).of_problem())?;
+    let problem = Problem::read(&arguments.problem).map_err(unreadable)?;
     let outputs = Outputs::default().reading("the problem", [&arguments.problem]);
     outputs.prepare(None, &arguments.out)?;
     let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
@@ -85,7 +85,7 @@ pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
 /// # Errors
 /// If the problem has a fault.
 fn problem_warnings(problem: &Problem) -> Result<Report, Failure> {
-    let circuit = Circuit::new(&problem.patch).map_err(|report| Failure::from(report).of_problem())?;
+    let circuit = Circuit::new(&problem.patch).map_err(Failure::problem)?;
     Ok(circuit.warnings())
 }
 
@@ -124,10 +124,18 @@ impl Arguments {
     }
 }
 
+/// The failure for a problem that cannot be read.
+fn unreadable(error: DocumentError) -> Failure {
+    match error {
+        DocumentError::Text(report) => Failure::problem(report),
+        other => other.into(),
+    }
+}
+
 /// The failure for a problem that cannot be scaled.
 fn failure(error: ScaleError) -> Failure {
     match error {
-        ScaleError::Problem(report) => Failure::from(report).of_problem(),
+        ScaleError::Problem(report) => Failure::problem(report),
         other => Failure::data(other.to_string()),
     }
 }
