@@ -40,9 +40,9 @@ enum Cause {
     AlreadyPrinted(String),
     /// The patch or the data are wrong.
     Data(String),
-    /// The patch is wrong. The report has the positions.
+    /// The patch is wrong. The report has the positions. An error without a position concerns the command line.
     Patch(Box<Report>),
-    /// A problem is wrong, or has no patch. The report has the positions.
+    /// A problem is wrong, or it has no circuit. The command line is right.
     Problem(Box<Report>),
     /// An experiment is wrong, or its patch. The first report is that of the first wrong document.
     Experiment(Vec<Report>),
@@ -94,6 +94,11 @@ impl Failure {
         Failure::new(Cause::Data(message.into()))
     }
 
+    /// An error in a problem, with exit code 1 also if it has no position in the problem.
+    pub(super) fn problem(report: Box<Report>) -> Self {
+        Failure::new(Cause::Problem(report))
+    }
+
     /// An overload in a run that must have none, with exit code 3.
     pub(super) fn overload(message: impl Into<String>) -> Self {
         Failure::new(Cause::Overload(message.into()))
@@ -102,16 +107,6 @@ impl Failure {
     /// Sets whether the failure is also printed as a JSON document.
     pub(super) fn with_json_output(self, json: bool) -> Self {
         Failure { json, ..self }
-    }
-
-    /// The same failure, if the file of the report is a problem and no patch. Then the JSON document has the key
-    /// `problem`.
-    pub(super) fn of_problem(self) -> Self {
-        let cause = match self.cause {
-            Cause::Patch(report) => Cause::Problem(report),
-            cause => cause,
-        };
-        Failure { cause, ..self }
     }
 
     /// Adds a key to the JSON document.
