@@ -3,8 +3,9 @@
 //! [`scale_problem`] plans the circuit and finds the range of every quantity. `attempt` chooses scales, builds the patch
 //! and runs it, and `measured` reads the voltages. If an amplifier peaks below 50 V or above 95 V, the scales change and
 //! the patch is built again. `overload` has the faults of amplifiers that overload with every scale. `built_patch` turns
-//! faults of the patch into faults of the problem. `table` and `scaled_equation` explain the scales. At the end, `narrowing` narrows the ranges of the parameters to those in which all
-//! settings are valid, and `inventory` compares the parts with those of the machine.
+//! faults of the patch into faults of the problem. `table` and `scaled_equation` explain the scales. At the end,
+//! `narrowing` narrows the ranges of the parameters to those in which all settings are valid, and `inventory` compares the
+//! parts with those of the machine.
 
 mod attempt;
 mod built_patch;
