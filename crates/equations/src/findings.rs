@@ -28,6 +28,8 @@ pub mod codes {
             "end the run earlier, or state a \"maximum\" for each quantity";
         NO_CIRCUIT "no-circuit" Error "A part of a problem has no circuit with these values and scales."
             "give the quantity another \"maximum\", or write the equation in another form";
+        MISSING_PARTS "missing-parts" Warning "A scaled patch needs more parts than its machine has."
+            "write the equations with fewer of them, or use the machine \"unlimited\"";
     }
 }
 

@@ -5,9 +5,11 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use crate::files::{assert_up_to_date, json_files_in, repository_path};
+use crate::problem_files::problem_file;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Report};
 use patchcord_core::ir::Program;
+use patchcord_core::machines;
 use patchcord_core::patch::{Patch, Problem};
 use patchcord_equations::{
     ScaleError, ScaleOptions, codes, compare_equations, equation_findings, scale_problem,
@@ -51,6 +53,14 @@ fn problem_report(path: &Path) -> Report {
     }
 }
 
+/// The warnings about a problem that needs more parts than the machine has.
+fn report_on_small_machine() -> Report {
+    let problem = Problem::read(&problem_file("projectile")).unwrap_or_else(|error| panic!("{error}"));
+    let machine = machines::find("solartron-1451").unwrap();
+    let options = ScaleOptions { machine, ..ScaleOptions::default() };
+    scale_problem(&problem, &options).unwrap_or_else(|error| panic!("{error}")).warnings
+}
+
 #[test]
 fn every_bad_problem_has_its_report() {
     for path in problems() {
@@ -76,7 +86,9 @@ fn every_bad_patch_has_its_report() {
 fn every_code_has_a_bad_patch_or_problem() {
     let of_patches = patches("bad").into_iter().flat_map(|path| report(&path).findings);
     let of_problems = problems().into_iter().flat_map(|path| problem_report(&path).findings);
-    let found: HashSet<Code> = of_patches.chain(of_problems).map(|finding| finding.code).collect();
+    let of_machine = report_on_small_machine().findings;
+    let found = of_patches.chain(of_problems).chain(of_machine);
+    let found: HashSet<Code> = found.map(|finding| finding.code).collect();
     for code in codes::ALL {
         assert!(found.contains(code), "{}", code.as_str());
     }

@@ -2,7 +2,7 @@
 
 use patchcord_core::patch::Patch;
 
-use super::measured_peaks;
+use super::{OverloadedAmplifier, measured};
 
 #[test]
 fn an_overload_has_the_voltage_without_the_limit_if_it_is_known() {
@@ -13,6 +13,13 @@ fn an_overload_has_the_voltage_without_the_limit_if_it_is_known() {
             "P1": {"kind": "pot", "in": "+100", "setting": 0.5}},
         "run": {"for": 1, "step": 0.1}}"#;
     let patch = Patch::parse("p.json", text).unwrap_or_else(|report| panic!("{report}"));
-    let found = measured_peaks(&patch, &["B1", "B2", "P1"]).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(found, [300.0, 200.0, 50.0]);
+    let found = measured(&patch, &["B1", "P1"]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found.volts, [300.0, 50.0]);
+    // B2 is no output of interest, but its overload is found.
+    let mut overloads = found.overloads;
+    overloads.sort_by(|one, other| one.element.cmp(&other.element));
+    let overload = |element: &str, demand| OverloadedAmplifier { element: element.to_owned(), demand };
+    assert_eq!(overloads, [overload("B1", Some(300.0)), overload("B2", None)]);
+    let found = measured(&patch, &["B2"]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found.volts, [100.0]);
 }
