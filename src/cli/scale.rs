@@ -65,12 +65,15 @@ pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
     outputs.prepare(None, &arguments.out)?;
     let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
     eprint_report(&Circuit::new(&problem.patch)?.warnings());
+    let deviations = Report::new(problem.patch.file(), problem.patch.text(), scaled.deviations.clone());
+    eprint_report(&deviations);
     let warnings = Circuit::new(&scaled.patch)?.warnings();
     if let Some(file) = &arguments.out {
         outputs.write(file, scaled.patch.text().as_bytes())?;
     }
     if arguments.json {
-        return print_json(&Document::new(&problem, &scaled, &warnings, arguments.out.as_ref()));
+        let reports = [&deviations, &warnings];
+        return print_json(&Document::new(&problem, &scaled, reports, arguments.out.as_ref()));
     }
     print(&arguments.text(&problem, &scaled))?;
     eprint_report(&warnings);
@@ -185,18 +188,18 @@ struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// The document of a scaled problem. `warnings` are those of the patch.
+    /// The document of a scaled problem. The reports are those of the problem and of the patch.
     fn new(
         problem: &'a Problem,
         scaled: &'a ScaledProblem,
-        warnings: &Report,
+        reports: [&Report; 2],
         out: Option<&PathBuf>,
     ) -> Self {
         Document {
             ok: true,
             problem: problem.patch.file(),
             title: &problem.patch.title,
-            diagnostics: warnings.documents(),
+            diagnostics: reports.into_iter().flat_map(Report::documents).collect(),
             time_scale: scaled.time_scale,
             quantities: &scaled.quantities,
             peaks: &scaled.peaks,

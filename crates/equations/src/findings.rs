@@ -26,6 +26,10 @@ pub mod codes {
             "multiply the equation by the divisor, or end the run earlier";
         LONG_SOLUTION "long-solution" Error "The numerical solution of a problem takes too many evaluations."
             "end the run earlier, or leave out the fastest motion";
+        EXCEEDED_MAXIMUM "exceeded-maximum" Warning "A quantity of a problem exceeds its \"maximum\", so its scale follows from its peak."
+            "state a larger \"maximum\"";
+        SHORTENED_STEP "shortened-step" Warning "The step of a problem is too long, so its patch has a shorter one."
+            "state the shorter step, or a \"tolerance\" in its place";
         NO_CIRCUIT "no-circuit" Error "A part of a problem has no circuit with these values and scales."
             "give the quantity another \"maximum\", or write the equation in another form";
     }

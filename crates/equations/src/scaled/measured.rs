@@ -21,7 +21,9 @@ const DRIVEN_VOLTS: f64 = 200.0;
 pub(super) fn measured_peaks(patch: &Patch, outputs: &[&str]) -> Result<Vec<f64>, ScaleError> {
     let circuit = Circuit::new(patch).map_err(ScaleError::Circuit)?;
     let program = Program::new(&circuit).map_err(ScaleError::Circuit)?;
-    let settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
+    let mut settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
+    // A hold would hide how large the voltages become after the first overload.
+    settings.hold_on_overload = false;
     let settings = settings.with_signals(outputs.iter().copied());
     let trace = run(&program, &settings).map_err(|stopped| ScaleError::Run(Box::new(stopped)))?;
     // The demand of an open amplifier is its amplification times the sum of its inputs: far more than the voltage that it

@@ -47,10 +47,10 @@ use crate::graph::{NodeId, Plan};
 use crate::peaks::Ranges;
 use assembly::Assembly;
 use design::{Block, Design};
-pub(crate) use document::with_ranges;
+pub(crate) use document::{with_ranges, with_step};
 use input::Input;
 pub(crate) use notes::GainStep;
-pub(crate) use scales::{GOOD_VOLTS, choose_scales, improved_scales};
+pub(crate) use scales::{GOOD_VOLTS, choose_scales, exceeds_reference, improved_scales};
 
 /// What a scaled patch should be like.
 ///

@@ -25,6 +25,8 @@ const CHOSEN_VOLTS: [f64; 2] = [51.0, 94.0];
 pub(crate) const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
 /// The largest voltage of an amplifier. Of a larger peak nothing is known.
 const MOST_VOLTS: f64 = 100.0;
+/// The relative error of the peaks of the solution without scales.
+const PEAK_ERROR: f64 = 1e-4;
 /// The peak behind an overload is taken to be larger by this factor.
 const OVERLOAD: f64 = 1.5;
 /// Scales depend on each other through pots and multipliers. They are adjusted this number of times.
@@ -34,8 +36,8 @@ const ROUNDING: f64 = 1e-12;
 
 /// Chooses the scales of all nodes and the time scale.
 ///
-/// A scale that the problem states is kept: `per_volt`, or a hundredth of the `maximum`. Otherwise the range of the node
-/// decides. A node that is 0 during the whole run gets an estimate; see `unknown`. The scales of multipliers, diode
+/// A scale that the problem states is kept: `per_volt`, or a hundredth of a `maximum` that the solution does not exceed.
+/// Otherwise the range of the node decides. A node that is 0 during the whole run gets an estimate; see `unknown`. The scales of multipliers, diode
 /// networks and delay lines follow from their inputs.
 ///
 /// The scales are by the index of the node. Those of nodes that the synthesis adds are at the end.
@@ -47,8 +49,18 @@ pub(crate) fn choose_scales(
     options: &ScaleOptions,
 ) -> Scales {
     let input = Input::new(plan, problem, circuit, ranges, options);
-    let kept: Vec<Option<f64>> = input.plan.ids().map(|id| input.stated_scale(id)).collect();
+    let is_kept = |id: NodeId, scale: f64| {
+        let is_prescribed = options.keeps_maxima || input.prescribed_scale(id).is_some();
+        is_prescribed || !exceeds_reference(input.peak(id), scale)
+    };
+    let kept = input.plan.ids().map(|id| input.stated_scale(id).filter(|scale| is_kept(id, *scale)));
+    let kept: Vec<Option<f64>> = kept.collect();
     choose(&input, &significant_peaks(&input), &kept)
+}
+
+/// Whether a peak of the solution without scales is above 100 V, and not only by its error. Both are in one unit.
+pub(crate) fn exceeds_reference(peak: f64, per_volt: f64) -> bool {
+    peak > MOST_VOLTS * per_volt * (1.0 + PEAK_ERROR)
 }
 
 /// Chooses new scales for the nodes whose measured peaks are below 50 V or above 95 V.
