@@ -100,16 +100,20 @@ struct Sources<'a> {
     options: &'a ScaleOptions,
 }
 
-/// The patch whose scales cannot be improved, with the peak of each of its outputs in volts.
+/// The patch whose scales cannot be improved.
 struct Last {
+    /// Its scales.
     scales: Scales,
+    /// The patch.
     synthesis: Synthesis,
+    /// The peak of each of its outputs in volts.
     volts: Vec<f64>,
+    /// The number of runs that the scales took.
     runs: usize,
 }
 
-/// Runs the patch of a problem and improves its scales, until there is nothing to improve. The last patch is also run with
-/// its own settings. `None` if the step was too long: it is shorter then.
+/// Runs the patch of a problem and improves its scales, until there is nothing to improve. The first and the last patch
+/// are also run with their own settings. `None` if the step was too long: it is shorter then.
 ///
 /// # Errors
 /// If there is no patch, or it cannot be run.
@@ -120,6 +124,10 @@ fn last_run(sources: &Sources<'_>, step: &mut RunStep) -> Result<Option<Last>, S
         let synthesis = synthesise(plan, problem, circuit, ranges, &scales, options);
         let mut synthesis = synthesis.map_err(|findings| ScaleError::of_problem(problem, findings))?;
         synthesis.patch = step.applied(synthesis.patch)?;
+        // The first scales fit the solution without voltages, so the first run shows whether the step is too long.
+        if runs == 1 && step.shorten(&synthesis.patch)? {
+            return Ok(None);
+        }
         let names: Vec<&str> = synthesis.outputs.iter().map(|(_, name)| name.as_str()).collect();
         let volts = match measured_peaks(&synthesis.patch, &names) {
             Err(error) if step.shorten_after(&error, &synthesis.patch) => return Ok(None),
@@ -129,13 +137,9 @@ fn last_run(sources: &Sources<'_>, step: &mut RunStep) -> Result<Option<Last>, S
             synthesis.outputs.iter().map(|(id, _)| *id).zip(volts.iter().copied()).collect();
         let better = improved_scales(plan, problem, circuit, ranges, options, &scales, &by_node);
         let is_last = better == scales || runs == MAX_RUNS;
-        // The scales fit the solution without voltages, so a first overload can come from the step.
-        let is_doubtful = runs == 1 && volts.iter().any(|volts| *volts > REFERENCE);
-        if (is_last || is_doubtful) && step.shorten(&synthesis.patch)? {
-            return Ok(None);
-        }
         if is_last {
-            return Ok(Some(Last { scales, synthesis, volts, runs }));
+            let is_shortened = runs > 1 && step.shorten(&synthesis.patch)?;
+            return Ok((!is_shortened).then_some(Last { scales, synthesis, volts, runs }));
         }
         scales = better;
     }

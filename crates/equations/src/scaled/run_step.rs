@@ -42,8 +42,8 @@ impl RunStep {
         }
     }
 
-    /// Runs a patch with its own settings, as the user will run it, and shortens the step if it is too long. Returns
-    /// whether it is shorter.
+    /// Runs a patch with its own settings, as the user will run it, up to the first overload. Shortens the step if it is too
+    /// long. Returns whether it is shorter.
     ///
     /// # Errors
     /// If the patch cannot be run, and not because of its step.
@@ -100,14 +100,16 @@ impl RunStep {
     }
 }
 
-/// The record of a run of a patch with its own settings, with checks of its steps.
+/// The record of a run of a patch with its own settings, with checks of its steps. It ends at the first overload: after
+/// it, a run with a step that is too long can take very long.
 ///
 /// # Errors
 /// If the patch cannot be wired, compiled or run.
 fn own_run(patch: &Patch) -> Result<Trace, ScaleError> {
     let circuit = Circuit::new(patch).map_err(ScaleError::Circuit)?;
     let program = Program::new(&circuit).map_err(ScaleError::Circuit)?;
-    let settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?.with_step_checks();
+    let settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
+    let settings = settings.with_step_checks().with_hold_on_overload();
     run(&program, &settings).map_err(|stopped| ScaleError::Run(Box::new(stopped)))
 }
 
