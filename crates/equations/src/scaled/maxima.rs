@@ -1,15 +1,13 @@
 //! Stated maxima that the solution exceeds.
 
 use patchcord_core::document::{Diagnostic, format_number};
+use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 
 use crate::findings::codes;
 use crate::graph::Plan;
 use crate::peaks::Ranges;
 use crate::synthesis::{ScaleOptions, exceeds_reference};
-
-/// The voltage of a maximum.
-const VOLTS_OF_MAXIMUM: f64 = 100.0;
 
 /// A warning for each quantity that exceeds its stated maximum. Its scale follows from its peak.
 ///
@@ -35,7 +33,7 @@ pub(super) fn checked_maxima(
 fn exceeded(name: &str, quantity: &ProblemQuantity, peak: f64, is_kept: bool) -> Option<Diagnostic> {
     let maximum = quantity.maximum.as_ref().filter(|_| quantity.per_volt.is_none())?;
     let peak = quantity.unit.out_of_si(peak);
-    if !exceeds_reference(peak, maximum.value / VOLTS_OF_MAXIMUM) {
+    if !exceeds_reference(peak, maximum.value / REFERENCE) {
         return None;
     }
     let unit = if quantity.unit.text() == "1" { String::new() } else { format!(" {}", quantity.unit.text()) };

@@ -7,7 +7,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Diagnostic, format_number};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Patch, Problem};
-use patchcord_core::solve::{RunSettings, StoppedRunError, run};
+use patchcord_core::solve::{RunSettings, run};
 use patchcord_core::trace::Trace;
 
 use super::error::ScaleError;
@@ -42,8 +42,8 @@ impl RunStep {
         }
     }
 
-    /// Runs a patch with its own settings, as the user will run it, up to the first overload. Shortens the step if it is too
-    /// long. Returns whether it is shorter.
+    /// Runs a patch with its own settings, as the user will run it, up to the first overload. Shortens the step if it is
+    /// too long. Returns whether it is shorter.
     ///
     /// # Errors
     /// If the patch cannot be run, and not because of its step.
@@ -66,9 +66,9 @@ impl RunStep {
     /// shorter.
     pub(super) fn shorten_after(&mut self, error: &ScaleError, patch: &Patch) -> bool {
         let ScaleError::Run(stopped) = error else { return false };
-        let StoppedRunError { error, .. } = &**stopped;
+        let may_help = stopped.error.may_depend_on_step() && self.changes < MAX_CHANGES;
         match &patch.run.step {
-            Some(step) if error.may_depend_on_step() && self.changes < MAX_CHANGES => {
+            Some(step) if may_help => {
                 self.change(SHARE_AFTER_STOP * step.value);
                 true
             }

@@ -37,8 +37,8 @@ const ROUNDING: f64 = 1e-12;
 /// Chooses the scales of all nodes and the time scale.
 ///
 /// A scale that the problem states is kept: `per_volt`, or a hundredth of a `maximum` that the solution does not exceed.
-/// Otherwise the range of the node decides. A node that is 0 during the whole run gets an estimate; see `unknown`. The scales of multipliers, diode
-/// networks and delay lines follow from their inputs.
+/// Otherwise the range of the node decides. A node that is 0 during the whole run gets an estimate; see `unknown`. The
+/// scales of multipliers, diode networks and delay lines follow from their inputs.
 ///
 /// The scales are by the index of the node. Those of nodes that the synthesis adds are at the end.
 pub(crate) fn choose_scales(
