@@ -64,29 +64,16 @@ pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = Outputs::default().reading("the problem", [&arguments.problem]);
     outputs.prepare(None, &arguments.out)?;
     let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
-    let about_problem = problem_warnings(&problem)?;
-    eprint_report(&about_problem);
     if let Some(file) = &arguments.out {
         outputs.write(file, scaled.patch.text().as_bytes())?;
     }
     if arguments.json {
         eprint_report(&scaled.warnings);
-        let diagnostics =
-            [&about_problem, &scaled.warnings].into_iter().flat_map(Report::documents).collect();
-        return print_json(&Document::new(&problem, &scaled, diagnostics, arguments.out.as_ref()));
+        return print_json(&Document::new(&problem, &scaled, arguments.out.as_ref()));
     }
     print(&arguments.text(&problem, &scaled))?;
     eprint_report(&scaled.warnings);
     Ok(())
-}
-
-/// The warnings about a problem.
-///
-/// # Errors
-/// If the problem has a fault.
-fn problem_warnings(problem: &Problem) -> Result<Report, Failure> {
-    let circuit = Circuit::new(&problem.patch).map_err(Failure::problem)?;
-    Ok(circuit.warnings())
 }
 
 impl Arguments {
@@ -205,18 +192,17 @@ struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// The document of a scaled problem. The diagnostics are the warnings about the problem and the patch.
+    /// The document of a scaled problem.
     fn new(
         problem: &'a Problem,
         scaled: &'a ScaledProblem,
-        diagnostics: Vec<DiagnosticDocument>,
         out: Option<&PathBuf>,
     ) -> Self {
         Document {
             ok: true,
             problem: problem.patch.file(),
             title: &problem.patch.title,
-            diagnostics,
+            diagnostics: scaled.warnings.documents(),
             time_scale: scaled.time_scale,
             quantities: &scaled.quantities,
             peaks: &scaled.peaks,

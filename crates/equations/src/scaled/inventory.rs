@@ -3,11 +3,10 @@
 //! The patch is computed all the same, with as many parts as it needs, so that a reader sees its scales.
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::document::{Diagnostic, Report};
+use patchcord_core::document::Diagnostic;
 use patchcord_core::machines::{MachineModel, Part};
 use patchcord_core::patch::Patch;
 
-use super::attempt::Basis;
 use super::built_patch::BuiltPatch;
 use super::error::ScaleError;
 use crate::findings::codes;
@@ -26,15 +25,14 @@ pub(super) fn unlimited_circuit(patch: &Patch) -> Result<Circuit, ScaleError> {
 ///
 /// # Errors
 /// If the patch cannot be wired.
-pub(super) fn warnings(built: &BuiltPatch<'_>) -> Result<Report, ScaleError> {
-    let Basis { problem, options, .. } = built.basis;
+pub(super) fn warnings(built: &BuiltPatch<'_>) -> Result<Vec<Diagnostic>, ScaleError> {
+    let machine = built.basis.options.machine;
     let circuit = unlimited_circuit(built.patch).map_err(|error| built.fault_of_problem(error))?;
     let parts = circuit.parts().iter();
-    let missing = parts.filter_map(|(part, used)| missing_parts(options.machine, *part, *used));
+    let missing = parts.filter_map(|(part, used)| missing_parts(machine, *part, *used));
     let warnings = circuit.warnings();
     let about_patch = warnings.findings.iter().map(|finding| built.in_problem(finding));
-    let findings = about_patch.chain(missing).collect();
-    Ok(Report::new(problem.patch.file(), problem.patch.text(), findings))
+    Ok(about_patch.chain(missing).collect())
 }
 
 /// The warning about a part of which a machine has too few. `None` if it has enough.

@@ -37,7 +37,9 @@ pub(super) struct OverloadedAmplifier {
 pub(super) fn measured(patch: &Patch, outputs: &[&str]) -> Result<Measured, ScaleError> {
     let circuit = unlimited_circuit(patch)?;
     let program = Program::new(&circuit).map_err(ScaleError::Circuit)?;
-    let settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
+    let mut settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
+    // A hold would hide how large the voltages become after the first overload.
+    settings.hold_on_overload = false;
     let settings = settings.with_signals(outputs.iter().copied());
     let trace = run(&program, &settings).map_err(|stopped| ScaleError::Run(Box::new(stopped)))?;
     Ok(Measured { volts: output_peaks(patch, &trace, outputs), overloads: overloads(patch, &trace) })

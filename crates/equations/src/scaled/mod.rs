@@ -2,19 +2,22 @@
 //!
 //! [`scale_problem`] plans the circuit and finds the range of every quantity. `attempt` chooses scales, builds the patch
 //! and runs it, and `measured` reads the voltages. If an amplifier peaks below 50 V or above 95 V, the scales change and
-//! the patch is built again. `overload` has the faults of amplifiers that overload with every scale. `built_patch` turns
-//! faults of the patch into faults of the problem. `table` and `scaled_equation` explain the scales. At the end,
-//! `narrowing` narrows the ranges of the parameters to those in which all settings are valid, and `inventory` compares the
-//! parts with those of the machine.
+//! the patch is built again. The last patch runs with its own settings; if `run_step` finds that the step is too long, all
+//! is repeated with a shorter one. `overload` has the faults of amplifiers that overload with every scale, and `maxima`
+//! those of stated maxima. `built_patch` turns faults of the patch into faults of the problem. `table` and
+//! `scaled_equation` explain the scales. At the end, `narrowing` narrows the ranges of the parameters to those in which all
+//! settings are valid, and `inventory` compares the parts with those of the machine.
 
 mod attempt;
 mod built_patch;
 mod error;
 mod inventory;
+mod maxima;
 mod measured;
 mod narrowing;
 mod overload;
 mod products;
+mod run_step;
 mod scaled_equation;
 mod table;
 
@@ -26,9 +29,10 @@ use crate::peaks::ranges;
 use crate::plan::plan;
 use crate::synthesis::GainStep;
 pub use crate::synthesis::ScaleOptions;
-use attempt::{Attempt, Basis, last_attempt};
+use attempt::{Basis, Last, last_attempt};
 use built_patch::BuiltPatch;
 pub use error::ScaleError;
+use maxima::checked_maxima;
 pub use narrowing::NarrowedRange;
 use narrowing::with_narrowed_ranges;
 pub use table::{OutputPeak, ScaledQuantity};
@@ -47,12 +51,13 @@ pub struct ScaledProblem {
     pub steps: Vec<String>,
     /// Machine seconds per problem second.
     pub time_scale: f64,
-    /// The number of runs that the scaling took.
+    /// The number of runs that the scaling took with the step of the patch.
     pub runs: usize,
     /// The parameters whose ranges are narrower in the patch than in the problem, in the order of the patch. Outside of
     /// them a pot would be above 1 or negative, for example.
     pub narrowed_ranges: Vec<NarrowedRange>,
-    /// The warnings about the patch, at positions in the problem. Some are about parts of which the machine has too few.
+    /// The warnings about the problem, about what the patch has otherwise than the problem states, and about the patch: all
+    /// at positions in the problem.
     pub warnings: Report,
 }
 
@@ -67,37 +72,43 @@ pub struct ScaledProblem {
 /// every scale, or with the scale that the problem prescribes, or if the patch cannot be run.
 pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<ScaledProblem, ScaleError> {
     let circuit = Circuit::new(&problem.patch).map_err(ScaleError::Problem)?;
-    let refuse = |faults: Vec<Diagnostic>| match faults.is_empty() {
-        true => Ok(()),
-        false => Err(ScaleError::of_problem(problem, &circuit, faults)),
-    };
     let in_problem = |faults| ScaleError::of_problem(problem, &circuit, faults);
+    let refuse = |faults: Vec<Diagnostic>| if faults.is_empty() { Ok(()) } else { Err(in_problem(faults)) };
     let plan = plan(problem, &circuit).map_err(in_problem)?;
     let ranges = ranges(&plan, problem, &circuit).map_err(|fault| in_problem(vec![fault]))?;
     refuse(overload::prescribed_faults(&plan, problem, &ranges))?;
+    let about_maxima = checked_maxima(&plan, problem, &ranges, options).map_err(in_problem)?;
     let basis = Basis { plan: &plan, problem, circuit: &circuit, ranges: &ranges, options };
-    let (attempt, runs) = last_attempt(&basis)?;
-    refuse(overload::faults(&attempt, &BuiltPatch::new(&basis, &attempt.synthesis)))?;
-    scaled_problem(&basis, &attempt, runs)
+    let last = last_attempt(&basis)?;
+    let built = BuiltPatch::new(&basis, &last.attempt.synthesis);
+    refuse(overload::faults(&last.attempt, &built))?;
+    scaled_problem(&built, &last, about_maxima)
 }
 
-/// The result of an attempt.
+/// The result of the last attempt, whose patch is `built`.
 ///
 /// # Errors
 /// If the patch cannot be wired.
-fn scaled_problem(basis: &Basis<'_>, attempt: &Attempt, runs: usize) -> Result<ScaledProblem, ScaleError> {
-    let built = BuiltPatch::new(basis, &attempt.synthesis);
+fn scaled_problem(
+    built: &BuiltPatch<'_>,
+    last: &Last,
+    about_maxima: Vec<Diagnostic>,
+) -> Result<ScaledProblem, ScaleError> {
+    let (basis, attempt) = (&built.basis, &last.attempt);
     let narrowed = with_narrowed_ranges(built.patch).map_err(|error| built.fault_of_problem(error));
     let (patch, narrowed_ranges) = narrowed?;
-    let written = BuiltPatch { patch: &patch, ..built };
+    let about_problem = basis.circuit.warnings().findings.into_iter();
+    let about_patch = inventory::warnings(&BuiltPatch { patch: &patch, ..*built })?;
+    let findings = about_problem.chain(about_maxima).chain(last.step_warning.clone()).chain(about_patch);
+    let source = &basis.problem.patch;
     Ok(ScaledProblem {
         quantities: table::quantities(basis, attempt),
         peaks: table::peaks(attempt),
         steps: attempt.synthesis.steps.iter().map(GainStep::text).collect(),
         time_scale: attempt.scales.time_scale,
-        runs,
+        runs: last.runs,
         narrowed_ranges,
-        warnings: inventory::warnings(&written)?,
+        warnings: Report::new(source.file(), source.text(), findings.collect()),
         patch,
     })
 }

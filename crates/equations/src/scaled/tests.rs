@@ -3,7 +3,8 @@
 use patchcord_core::machines;
 use patchcord_core::patch::Problem;
 
-use super::attempt::{Attempt, Basis, last_attempt};
+use super::attempt::{Attempt, Basis, Last, last_attempt};
+use super::built_patch::BuiltPatch;
 use super::measured::{Measured, OverloadedAmplifier};
 use super::overload;
 use super::{ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem};
@@ -127,15 +128,13 @@ fn a_maximum_that_is_far_too_small_costs_no_run() {
             r#""x": {{"unit": "mm", "initial": 0 {maximum}}}, "x'": {{"unit": "mm/s", "initial": 72 {maximum}}}"#
         )
     };
-    for keeps_maxima in [false, true] {
-        let options = ScaleOptions { keeps_maxima, ..ScaleOptions::default() };
-        let without = scaled(&quantities(""), OSCILLATION, &options);
-        let with = scaled(&quantities(r#", "maximum": 1e-6"#), OSCILLATION, &options);
-        assert_eq!(with.runs, without.runs);
-        let scales = |scaled: &ScaledProblem| ["x", "x'"].map(|name| row(scaled, name).per_volt);
-        assert_eq!(scales(&with), scales(&without));
-        assert_eq!(row(&with, "x").expected_maximum, Some(1e-6));
-    }
+    let options = ScaleOptions::default();
+    let without = scaled(&quantities(""), OSCILLATION, &options);
+    let with = scaled(&quantities(r#", "maximum": 1e-6"#), OSCILLATION, &options);
+    assert_eq!(with.runs, without.runs);
+    let scales = |scaled: &ScaledProblem| ["x", "x'"].map(|name| row(scaled, name).per_volt);
+    assert_eq!(scales(&with), scales(&without));
+    assert_eq!(row(&with, "x").expected_maximum, Some(1e-6));
 }
 
 /// The faults of the last attempt of a problem if these amplifiers overloaded.
@@ -145,12 +144,12 @@ fn faults_with(problem: &Problem, overloads: Vec<OverloadedAmplifier>) -> Vec<[S
     let ranges = ranges(&plan, problem, &circuit).unwrap();
     let options = ScaleOptions::default();
     let basis = Basis { plan: &plan, problem, circuit: &circuit, ranges: &ranges, options: &options };
-    let (attempt, _) = last_attempt(&basis).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(overload::faults(&attempt, &plan, problem), []);
+    let Last { attempt, .. } = last_attempt(&basis).unwrap_or_else(|error| panic!("{error}"));
+    let faults = |attempt: &Attempt| overload::faults(attempt, &BuiltPatch::new(&basis, &attempt.synthesis));
+    assert_eq!(faults(&attempt), []);
     let Attempt { scales, synthesis, measured: Measured { volts, .. } } = attempt;
     let attempt = Attempt { scales, synthesis, measured: Measured { volts, overloads } };
-    let faults = overload::faults(&attempt, &plan, problem);
-    faults.into_iter().map(|fault| [fault.message, fault.hint.unwrap_or_default()]).collect()
+    faults(&attempt).into_iter().map(|fault| [fault.message, fault.hint.unwrap_or_default()]).collect()
 }
 
 #[test]

@@ -48,7 +48,7 @@ use crate::graph::{NodeId, Plan};
 use crate::peaks::Ranges;
 use assembly::Assembly;
 use design::{Block, Design};
-pub(crate) use document::with_ranges;
+pub(crate) use document::{with_ranges, with_step};
 use input::Input;
 pub(crate) use notes::GainStep;
 pub(crate) use reason::ScaleReason;

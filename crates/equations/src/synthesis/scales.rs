@@ -58,14 +58,16 @@ pub(crate) fn choose_scales(
     choose(&input, &peaks, &kept)
 }
 
-/// The scale of a node that the problem states. `None` if it states none, or a maximum that the peak exceeds.
+/// The scale of a node that the problem states. `None` if it states none, or a maximum that the peak exceeds and that need
+/// not be kept.
 fn stated(input: &Input<'_>, id: NodeId, peaks: &[f64]) -> Option<Chosen> {
     if let Some(per_volt) = input.prescribed_scale(id) {
         return Some(Chosen { per_volt, reason: Some(ScaleReason::Prescribed) });
     }
     let per_volt = input.stated_scale(id)?;
-    let reason = input.options.keeps_maxima.then_some(ScaleReason::KeptMaximum);
-    (!exceeds_reference(peaks[id.0 as usize], per_volt)).then_some(Chosen { per_volt, reason })
+    let is_kept = input.options.keeps_maxima;
+    let reason = is_kept.then_some(ScaleReason::KeptMaximum);
+    (is_kept || !exceeds_reference(peaks[id.0 as usize], per_volt)).then_some(Chosen { per_volt, reason })
 }
 
 /// Whether a peak of the solution without scales is above 100 V, and not only by its error. Both are in one unit.

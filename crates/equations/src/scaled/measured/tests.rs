@@ -23,3 +23,15 @@ fn an_overload_has_the_voltage_without_the_limit_if_it_is_known() {
     let found = measured(&patch, &["B2"]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(found.volts, [100.0]);
 }
+
+#[test]
+fn a_patch_that_holds_on_overload_is_measured_to_the_end() {
+    // A1 rises by 100 V per second. The summer overloads after 0.1 s, at 10 V of A1.
+    let text = r#"{"patchcord": 1, "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["-100"]}},
+            "B1": {"kind": "summer", "in": {"x10": ["A1"]}}},
+        "run": {"for": 0.5, "step": 0.01, "hold_on_overload": true}}"#;
+    let patch = Patch::parse("p.json", text).unwrap_or_else(|report| panic!("{report}"));
+    let found = measured_peaks(&patch, &["A1", "B1"]).unwrap_or_else(|error| panic!("{error}"));
+    assert!((found[0] - 50.0).abs() < 1e-9 && (found[1] - 500.0).abs() < 1e-6, "{found:?}");
+}
