@@ -193,11 +193,7 @@ struct Document<'a> {
 
 impl<'a> Document<'a> {
     /// The document of a scaled problem.
-    fn new(
-        problem: &'a Problem,
-        scaled: &'a ScaledProblem,
-        out: Option<&PathBuf>,
-    ) -> Self {
+    fn new(problem: &'a Problem, scaled: &'a ScaledProblem, out: Option<&PathBuf>) -> Self {
         Document {
             ok: true,
             problem: problem.patch.file(),

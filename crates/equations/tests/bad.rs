@@ -56,7 +56,7 @@ fn problem_report(path: &Path) -> Report {
 
 /// The warnings about a problem that needs more parts than the machine has.
 fn report_on_small_machine() -> Report {
-    let problem = Problem::read(&problem_file("projectile")).unwrap_or_else(|error| panic!("{error}"));
+    let problem = Problem::read(problem_file("projectile")).unwrap_or_else(|error| panic!("{error}"));
     let machine = machines::find("solartron-1451").unwrap();
     let options = ScaleOptions { machine, ..ScaleOptions::default() };
     scale_problem(&problem, &options).unwrap_or_else(|error| panic!("{error}")).warnings

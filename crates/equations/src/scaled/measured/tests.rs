@@ -32,6 +32,6 @@ fn a_patch_that_holds_on_overload_is_measured_to_the_end() {
             "B1": {"kind": "summer", "in": {"x10": ["A1"]}}},
         "run": {"for": 0.5, "step": 0.01, "hold_on_overload": true}}"#;
     let patch = Patch::parse("p.json", text).unwrap_or_else(|report| panic!("{report}"));
-    let found = measured_peaks(&patch, &["A1", "B1"]).unwrap_or_else(|error| panic!("{error}"));
+    let found = measured(&patch, &["A1", "B1"]).unwrap_or_else(|error| panic!("{error}")).volts;
     assert!((found[0] - 50.0).abs() < 1e-9 && (found[1] - 500.0).abs() < 1e-6, "{found:?}");
 }
