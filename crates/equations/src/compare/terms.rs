@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use num_traits::Signed as _;
 
-use crate::symbolic::{Fraction, Monomial, Polynomial, Rational, Values, nearest, value};
+use crate::symbolic::{
+    Fraction, Monomial, Polynomial, Rational, Values, nearest, value, with_reduced_powers,
+};
 
 /// A term that differs between the stated equation and the wiring.
 #[derive(Debug, Clone)]
@@ -43,7 +45,10 @@ pub(crate) fn differences(stated: &Fraction, wired: &Fraction, values: &dyn Valu
     products.dedup();
     let none = Polynomial::default();
     let term = |factor: &Polynomial, product: &Monomial| {
-        Fraction::from(factor.times_term(product, &Rational::from_integer(1.into()))).over(&divisors)
+        let numerator = Fraction::from(factor.times_term(product, &Rational::from_integer(1.into())));
+        divisors.iter().fold(numerator, |term, (divisor, power)| {
+            term.over(&Fraction::from(divisor.clone()).power(*power as i32))
+        })
     };
     let difference = |product: &Monomial| {
         let [own, other] = [&stated, &wired].map(|terms| terms.get(product).unwrap_or(&none));
@@ -53,18 +58,26 @@ pub(crate) fn differences(stated: &Fraction, wired: &Fraction, values: &dyn Valu
     products.into_iter().filter_map(difference).collect()
 }
 
-/// The numerators of two expressions over all their divisors, and these divisors.
-fn over_common_divisors(first: &Fraction, second: &Fraction) -> (Fraction, [Polynomial; 2]) {
-    let mut powers: BTreeMap<&Polynomial, u32> = BTreeMap::new();
+/// The numerators of two expressions over all their divisors, and these divisors with their powers.
+fn over_common_divisors(first: &Fraction, second: &Fraction) -> (BTreeMap<Polynomial, u32>, [Polynomial; 2]) {
+    let mut powers: BTreeMap<Polynomial, u32> = BTreeMap::new();
     for (divisor, power) in first.divisors().chain(second.divisors()) {
-        let own = powers.entry(divisor).or_default();
+        let own = powers.entry(divisor.clone()).or_default();
         *own = power.max(*own);
     }
-    let divisors = powers.iter().fold(Fraction::whole(1), |product, (divisor, power)| {
-        product.times(&Fraction::from((*divisor).clone()).power(*power as i32))
+    let numerators = [first, second].map(|fraction| numerator_over(fraction, &powers));
+    (powers, numerators)
+}
+
+/// The numerator of an expression over other divisors, which contain its own ones.
+fn numerator_over(fraction: &Fraction, divisors: &BTreeMap<Polynomial, u32>) -> Polynomial {
+    let own: BTreeMap<&Polynomial, u32> = fraction.divisors().collect();
+    let missing = divisors.iter().flat_map(|(divisor, power)| {
+        let present = own.get(divisor).copied().unwrap_or_default();
+        (present..*power).map(move |_| divisor)
     });
-    let numerators = [first, second].map(|fraction| fraction.times(&divisors).numerator().clone());
-    (divisors, numerators)
+    let numerator = missing.fold(fraction.numerator().clone(), |numerator, divisor| numerator.times(divisor));
+    with_reduced_powers(numerator)
 }
 
 /// The factors of a sum by their product of variables. A factor is constant in a run.
@@ -94,6 +107,11 @@ fn kind(stated: &Polynomial, wired: &Polynomial, values: &dyn Values) -> Option<
         None if other == 0.0 => return Some(DifferenceKind::Missing),
         None => other / own,
     };
+    kind_of_factor(factor)
+}
+
+/// How a term differs that is this many times the stated one. `None` if it does not.
+pub(super) fn kind_of_factor(factor: f64) -> Option<DifferenceKind> {
     if (factor - 1.0).abs() < TOLERANCE {
         None
     } else if (factor + 1.0).abs() < TOLERANCE {

@@ -1,8 +1,8 @@
 //! The value of an expression.
 
 use super::fraction::Fraction;
-use super::monomial::{Application, Atom, CallOrder, Operation};
-use super::number::nearest;
+use super::monomial::{Application, Atom, CallOrder, Monomial, Operation};
+use super::number::{Rational, nearest};
 use super::polynomial::Polynomial;
 use super::symbol::Symbol;
 
@@ -26,12 +26,11 @@ pub(crate) fn value(fraction: &Fraction, values: &dyn Values) -> f64 {
 
 /// The sum of the sizes of the terms of an expression.
 pub(crate) fn term_size(fraction: &Fraction, values: &dyn Values) -> f64 {
-    let mut sum = 0.0;
-    fraction.split(&mut |term| {
-        sum += value(term, values).abs();
-        true
-    });
-    sum
+    let size: f64 =
+        fraction.numerator().terms().map(|(product, number)| term(product, number, values).abs()).sum();
+    fraction
+        .divisors()
+        .fold(size, |size, (divisor, power)| size / sum(divisor, values).abs().powi(power as i32))
 }
 
 /// Sum of the terms of an expression, as a share of their sizes, up to which it is 0.
@@ -54,11 +53,13 @@ pub(crate) fn is_at_switch(expression: &Fraction, values: &dyn Values) -> bool {
 
 /// The value of a sum.
 fn sum(polynomial: &Polynomial, values: &dyn Values) -> f64 {
-    let term = |(product, number): (&super::Monomial, &super::Rational)| {
-        let factors = product.factors().iter().map(|(atom, exponent)| factor(atom, values).powi(*exponent));
-        factors.fold(nearest(number), |product, factor| product * factor)
-    };
-    polynomial.terms().map(term).sum()
+    polynomial.terms().map(|(product, number)| term(product, number, values)).sum()
+}
+
+/// The value of a product with a number in front of it.
+fn term(product: &Monomial, number: &Rational, values: &dyn Values) -> f64 {
+    let factors = product.factors().iter().map(|(atom, exponent)| factor(atom, values).powi(*exponent));
+    factors.fold(nearest(number), |product, factor| product * factor)
 }
 
 /// The value of a factor.
