@@ -6,7 +6,7 @@ use super::loops::close_slopes;
 use super::number::Number as _;
 use super::op::Sources;
 use super::series::{Series, TERMS};
-use super::{Loop, Op, Program, ProgramPoint, Register};
+use super::{Loop, Op, Program, ProgramPoint, Register, Tear};
 use crate::machines::REFERENCE;
 
 /// The highest derivative that [`Program::derivatives_at`] computes.
@@ -53,10 +53,53 @@ impl Program {
         voltages: &[f64],
         order: usize,
     ) -> Vec<Vec<f64>> {
-        let mut motion = Motion::new(self, point, given, voltages);
+        let mut motion = Motion::new(self, point, given, voltages, self.unit_of_time(voltages));
         let order = order.min(MAX_DERIVATIVE);
         (1..=order).for_each(|term| motion.add_term(term));
         (0..=order).map(|order| motion.derivatives(order)).collect()
+    }
+
+    /// The voltages of all registers with infinite amplification of the open amplifiers, less those with their finite
+    /// amplification, to first order. `voltages` are those of [`Program::unlimited_voltages_at`] at this point with
+    /// these given outputs.
+    ///
+    /// An entry is infinite or NaN if the feedback of an amplifier does not depend on its output.
+    ///
+    /// # Panics
+    /// As [`Program::derivatives_at`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use std::collections::BTreeMap;
+    ///
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// // The sum 50 V + S1 is 0 V for S1 = -50 V. With an amplification of 1e4 it is 5 mV.
+    /// let half = ElementBuilder::new("pot").cord("in", "+100").set("setting", 0.5);
+    /// let open = ElementBuilder::new("open-amplifier").cords("x1", ["P1", "S1"]).set("amplification", 1e4);
+    /// let patch = PatchBuilder::new("inverter").element("P1", half).element("S1", open).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let (point, given) = (program.initial_point(), BTreeMap::new());
+    /// let voltages = program.unlimited_voltages_at(&point, &given).expect("there is one solution");
+    /// let output = program.element_outputs().last().expect("there is an amplifier").register.index();
+    /// let error = program.amplification_errors_at(&point, &given, &voltages)[output];
+    /// assert!((voltages[output] + error + 50.0).abs() < 1e-5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn amplification_errors_at(
+        &self,
+        point: &ProgramPoint,
+        given: &BTreeMap<Register, f64>,
+        voltages: &[f64],
+    ) -> Vec<f64> {
+        // In a unit of time of 0 s neither states nor drives move.
+        let mut motion = Motion::new(self, point, given, voltages, 0.0);
+        motion.corrects_amplification = true;
+        motion.add_term(1);
+        motion.registers.iter().map(|series| series.terms[1]).collect()
     }
 
     /// The time in problem seconds in which the fastest state changes by 100 V; 1 s if none moves. With this unit of
@@ -81,6 +124,8 @@ struct Motion<'a> {
     inputs: Inputs,
     /// The registers. The terms are known up to the last one that was added.
     registers: Vec<Series>,
+    /// Whether the inputs of open amplifiers change by what a finite amplification leaves there.
+    corrects_amplification: bool,
 }
 
 /// What operations read in addition to registers, as series. Only time and the states vary.
@@ -110,18 +155,18 @@ impl Inputs {
 }
 
 impl<'a> Motion<'a> {
-    /// The motion at its first instant.
+    /// The motion at its first instant, with a unit of time in problem seconds.
     fn new(
         program: &'a Program,
         point: &'a ProgramPoint,
         given: &'a BTreeMap<Register, f64>,
         voltages: &[f64],
+        unit: f64,
     ) -> Self {
-        let unit = program.unit_of_time(voltages);
         let inputs = Inputs::new(program, point, unit);
         let registers = voltages.iter().map(|volts| Series::constant(*volts)).collect();
         let demands = program.demands_outside_loops();
-        Motion { program, point, given, demands, unit, inputs, registers }
+        Motion { program, point, given, demands, unit, inputs, registers, corrects_amplification: false }
     }
 
     /// Adds a term to all series. The terms before it must be known.
@@ -192,9 +237,15 @@ impl<'a> Motion<'a> {
                 self.registers[at].terms[term] = self.computed(at, term);
             }
             for (tear, value) in entry.tears.iter().zip(tears) {
-                *value = self.registers[tear.result.index()].terms[term];
+                *value = self.registers[tear.result.index()].terms[term] + self.correction(tear);
             }
         });
+    }
+
+    /// The change of an open amplifier's demanded output if its amplification becomes infinite, and its output is kept.
+    fn correction(&self, tear: &Tear) -> f64 {
+        let is_corrected = self.corrects_amplification && tear.amplification.is_some();
+        if is_corrected { self.registers[tear.register.index()].terms[0] } else { 0.0 }
     }
 
     /// The derivatives of this order of all registers, with respect to problem time.
