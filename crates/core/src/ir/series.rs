@@ -71,8 +71,7 @@ impl Number for Series {
     fn divide(self, other: Self) -> Self {
         let mut quotient = Series::constant(0.0);
         for order in 0..TERMS {
-            let known: f64 =
-                (0..order).map(|lower| quotient.terms[lower] * other.terms[order - lower]).sum();
+            let known: f64 = (0..order).map(|lower| quotient.terms[lower] * other.terms[order - lower]).sum();
             quotient.terms[order] = (self.terms[order] - known) / other.terms[0];
         }
         quotient
