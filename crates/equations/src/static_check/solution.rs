@@ -6,13 +6,17 @@
 
 use std::collections::btree_map::{BTreeMap, Entry};
 use std::collections::{BTreeSet, VecDeque};
+use std::f64::consts::TAU;
+
+use patchcord_expr::Function;
 
 use super::agenda::{Agenda, Posed};
 use super::handles::{Handle, stated_names};
 use super::stated::Stated;
 use super::wired::Wired;
 use crate::symbolic::{
-    Fraction, Roots, Symbol, SymbolKind, Values, is_at_switch, partial_derivative, term_size, value,
+    Atom, CallOrder, Fraction, Operation, Roots, Symbol, SymbolKind, Values, is_at_switch,
+    partial_derivative, term_size, value,
 };
 
 /// Where the value of a quantity comes from.
@@ -54,6 +58,8 @@ impl Known {
 const MAX_DIFFERENTIATIONS: usize = 2;
 /// Longest equation that is differentiated, in terms.
 const LONGEST: usize = 200;
+/// Largest difference in radians of two angles that are equal up to whole turns.
+const SAME_ANGLE: f64 = 1e-2;
 
 /// The values of the quantities at a point.
 pub(super) struct Solution<'a> {
@@ -269,6 +275,7 @@ impl<'a> Solution<'a> {
         let residuals = block.iter().map(|posed| posed.residual.clone()).collect();
         let roots = Roots::new(symbols.clone(), residuals);
         let found = self.starts(&symbols).into_iter().find_map(|start| self.root(&roots, start))?;
+        let found = self.with_turns_of_wiring(&roots, found);
         let known = At { solution: self };
         let at = roots.with(&found, &known);
         let equations: Vec<usize> = block.iter().map(|posed| posed.stated).collect();
@@ -297,6 +304,19 @@ impl<'a> Solution<'a> {
         size.is_finite().then_some(size)
     }
 
+    /// The same values, but an angle that is only known up to whole turns has the turn that the wiring gives it.
+    fn with_turns_of_wiring(&self, roots: &Roots, mut found: Vec<f64>) -> Vec<f64> {
+        if let ([symbol], [equation]) = (roots.unknowns(), roots.expressions())
+            && has_angle(equation)
+            && let Some(wired) = self.wired_value(*symbol)
+        {
+            let turns = ((wired - found[0]) / TAU).round();
+            let is_same_angle = (wired - found[0] - turns * TAU).abs() <= SAME_ANGLE;
+            found[0] += if is_same_angle { turns * TAU } else { 0.0 };
+        }
+        found
+    }
+
     /// Points at which an iteration can begin. The wiring is the first: if it is correct, it is the solution.
     fn starts(&self, symbols: &[Symbol]) -> [Vec<f64>; 3] {
         let wired = symbols.iter().map(|symbol| self.wired_value(*symbol).unwrap_or(1.0)).collect();
@@ -312,6 +332,18 @@ impl<'a> Solution<'a> {
         let is_switching = roots.expressions().iter().any(|equation| is_at_switch(equation, &at));
         (!is_switching).then_some(found)
     }
+}
+
+/// Whether an expression contains the angle of a point.
+fn has_angle(expression: &Fraction) -> bool {
+    let mut is_found = false;
+    expression.with_factors(&mut |atom| {
+        if let Atom::Apply(applied) = atom {
+            is_found |= applied.operation == Operation::Call(CallOrder(Function::Atan2));
+        }
+        None
+    });
+    is_found
 }
 
 /// The values of the quantities that are known.

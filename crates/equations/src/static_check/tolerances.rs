@@ -7,8 +7,8 @@ use super::wired::Wired;
 /// Deviation of a wired value from the expected one, as a share of the sum of the sizes of their terms, up to which they
 /// agree. Settings are often rounded to three digits.
 const TOLERANCE: f64 = 1e-3;
-/// Deviation that is never a difference: 1e-8 of 100 V. For a derivative it is so much for each machine second, which an
-/// integrator with a gain of 1 makes of it.
+/// Deviation that is never a difference, in volts or in volts by powers of machine seconds: 1e-8 of 100 V. An integrator
+/// with a gain of 1 has this rate if its input deviates by as many volts.
 const ROUNDING: f64 = 1e-6;
 /// Multiple of the first-order error of a finite amplification that is permitted, for terms of higher order.
 const AMPLIFICATION_MARGIN: f64 = 2.0;
