@@ -65,7 +65,8 @@ impl Number for Series {
         Series { terms: std::array::from_fn(|order| self.terms[order] - other.terms[order]) }
     }
     fn multiply(self, other: Self) -> Self {
-        let term = |order: usize| (0..=order).map(|own| self.terms[own] * other.terms[order - own]).sum();
+        let term =
+            |order: usize| (0..=order).map(|own| self.terms[own] * other.terms[order - own]).sum::<f64>();
         Series { terms: std::array::from_fn(term) }
     }
     fn divide(self, other: Self) -> Self {

@@ -95,7 +95,8 @@ fn has_conducting_diodes(wired: &Wired<'_>, tolerances: &Tolerances<'_>, element
     }
     let Some(lamp) = wired.program.lamps().iter().find(|lamp| lamp.element == element) else { return false };
     let inputs = tolerances.inputs(element, 0);
-    let (sum, size) = inputs.iter().fold((0.0, 0.0), |(sum, size), input| (sum + input, size + input.abs()));
+    let sum: f64 = inputs.iter().sum();
+    let size: f64 = inputs.iter().map(|input| input.abs()).sum();
     (wired.volts(lamp.demand) + sum).abs() > DIODES_CONDUCT * (1.0 + size)
 }
 
