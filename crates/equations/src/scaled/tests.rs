@@ -82,6 +82,7 @@ fn a_product_and_an_absolute_value_with_scales_of_their_own_have_factors() {
     // One volt of x - d is 0.5 mm.
     assert_eq!(row(&made, "q").scaled_equation, "[q] = 0.25 abs(-40 + 1.2 [x])");
     // 2500 mm2 are 25 V.
+    eprintln!("{:?}", made.peaks);
     assert_eq!(reason(&made, "p"), Some("the problem prescribes its scale"));
     assert_eq!(reason(&made, "x"), None);
 }

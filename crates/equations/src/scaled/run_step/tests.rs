@@ -29,7 +29,9 @@ fn a_step_that_makes_the_solver_unstable_is_shortened() {
         let peak = scaled.quantities.iter().find(|quantity| quantity.name == "x'").unwrap().maximum;
         let frequency = (100.0_f64 - 0.25).sqrt();
         let expected = 10.0 * (-0.5 * (2.0 * frequency).atan() / frequency).exp();
-        assert!((peak / expected - 1.0).abs() < 1e-3, "{peak} instead of {expected}");
+        // The peak is read at the ends of steps, so it lacks up to (w step / 2)^2 / 2 of itself.
+        let lack = (0.5 * frequency * found).powi(2) / 2.0;
+        assert!((1.0 - lack..1.001).contains(&(peak / expected)), "{peak} instead of {expected}");
     }
 }
 
