@@ -107,13 +107,8 @@ fn large_patches_break_no_rule() {
     let summary = run_first("large", LARGE_COMMANDS.len() as u64, &make);
     assert_eq!(summary.skipped, 0);
     // A schematic has at most 1000 symbols, and a linear model at most 500 states.
-    let expected = [
-        ("check", [4, 4]),
-        ("draw", [0, 1]),
-        ("equations", [3, 3]),
-        ("linearise", [0, 1]),
-        ("run", [4, 4]),
-    ];
+    let expected =
+        [("check", [4, 4]), ("draw", [0, 1]), ("equations", [3, 3]), ("linearise", [0, 1]), ("run", [4, 4])];
     let expected = expected.map(|(command, counts)| (command.to_owned(), counts));
     assert_eq!(summary.commands, BTreeMap::from(expected));
 }

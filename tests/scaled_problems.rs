@@ -36,7 +36,8 @@ fn random_problems_become_patches_that_solve_them() {
     let (mut scaled_count, mut found) = (0, Vec::new());
     for seed in 0..PROBLEMS {
         let text = random_problem(&mut SplitMix64(seed)).json();
-        let problem = Problem::parse("random.json", &text).unwrap_or_else(|report| panic!("{report}\n{text}"));
+        let problem =
+            Problem::parse("random.json", &text).unwrap_or_else(|report| panic!("{report}\n{text}"));
         match scale_problem(&problem, &ScaleOptions::default()) {
             Err(error) => println!("{seed}: {error}"),
             Ok(scaled) => {

@@ -15,7 +15,7 @@ use super::overloads::{OverloadDocument, overload_lines};
 use super::requested_checks::{RequestedChecks, RequestedDocument};
 use super::start_warnings::start_warnings;
 use super::static_check::{StaticReport, TestArguments};
-use super::table::Table;
+use super::table::{Table, decimals};
 use super::times::advice;
 use super::{output_in_colour, print, print_coloured, print_json};
 use patchcord::circuit::Circuit;
@@ -221,7 +221,7 @@ fn instances(circuit: &Circuit) -> Vec<(&str, Vec<(&str, &Instance)>)> {
 fn voltage_table(voltages: &[ElementVoltage]) -> String {
     let has_position = voltages.iter().any(|entry| entry.position.is_some());
     let has_rate = voltages.iter().any(|entry| entry.rate.is_some());
-    let number = |number: f64| format!("{:.4}", number + 0.0);
+    let number = |number: f64| decimals(number, 4);
     let row = |first: [String; 3], position: String, rate: String| -> Vec<String> {
         let others = [has_position.then_some(position), has_rate.then_some(rate)];
         first.into_iter().chain(others.into_iter().flatten()).collect()

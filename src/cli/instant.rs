@@ -5,7 +5,7 @@ use super::load::{LoadedPatch, problem_check};
 use super::numbers::number_in;
 use super::progress::RunProgress;
 use patchcord::circuit::Circuit;
-use patchcord::document::{Placed, Span};
+use patchcord::document::{Placed, Span, format_number};
 use patchcord::patch::RunPlan;
 use patchcord::solve::{self, Machine, RunError, RunSettings};
 
@@ -81,13 +81,14 @@ impl InstantOption {
     ) -> Result<String, Failure> {
         let is_reached = clock >= seconds * (1.0 - TIME_TOLERANCE);
         match (is_reached, circuit.run_plan()) {
-            (true, plan) if plan.phases.is_empty() => Ok(format!("at t = {seconds} s")),
-            (true, _) => Ok(format!("after {seconds} s of the run")),
+            (true, plan) if plan.phases.is_empty() => Ok(format!("at t = {} s", format_number(seconds))),
+            (true, _) => Ok(format!("after {} s of the run", format_number(seconds))),
             (false, plan) if plan.hold_on_overload && machine.is_overloaded() => {
-                Ok(format!("at t = {:.6} s, held by an overload", machine.time()))
+                Ok(format!("at t = {} s, held by an overload", format_number(machine.time())))
             }
             _ => Err(Failure::usage(format!(
-                "the run ends after {clock:.6} s: give an earlier time with {}",
+                "the run ends after {} s: give an earlier time with {}",
+                format_number(clock),
                 self.option
             ))),
         }

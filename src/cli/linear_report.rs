@@ -3,7 +3,7 @@
 //! The text lists states, signals, matrix, roots and response at one operating point. Rates are in volts per second,
 //! so entries of the state matrix are in 1/s. Long tables are shortened; the JSON document (`linear_document`) is not.
 
-use super::table::Table;
+use super::table::{Table, decimals};
 use patchcord::format::QuantityFormat;
 use patchcord::ir::{Port, StateHold, StateSpace, StateTerm};
 use patchcord::linear::{FrequencyResponse, LinearError, Root, Stability, fastest_state};
@@ -195,8 +195,8 @@ fn response_text(response: &FrequencyResponse, analysis: &Analysis<'_>) -> Strin
             table.row([
                 number(point.frequency),
                 number(point.ratio),
-                format!("{:.2}", point.decibels()),
-                format!("{:.2}", point.phase.to_degrees() + 0.0),
+                decimals(point.decibels(), 2),
+                decimals(point.phase.to_degrees(), 2),
             ]);
         }
         if is_next {

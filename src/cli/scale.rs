@@ -64,16 +64,15 @@ pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = Outputs::default().reading("the problem", [&arguments.problem]);
     outputs.prepare(None, &arguments.out)?;
     let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
-    eprint_report(&Circuit::new(&problem.patch)?.warnings());
-    let warnings = arguments.warnings(&problem, &scaled)?;
     if let Some(file) = &arguments.out {
         outputs.write(file, scaled.patch.text().as_bytes())?;
     }
     if arguments.json {
-        return print_json(&Document::new(&problem, &scaled, &warnings, arguments.out.as_ref()));
+        eprint_report(&scaled.warnings);
+        return print_json(&Document::new(&problem, &scaled, arguments.out.as_ref()));
     }
     print(&arguments.text(&problem, &scaled))?;
-    eprint_report(&warnings);
+    eprint_report(&scaled.warnings);
     Ok(())
 }
 
@@ -82,17 +81,6 @@ impl Arguments {
     fn options(&self) -> ScaleOptions {
         let machine = self.machine.unwrap_or(ScaleOptions::default().machine);
         ScaleOptions { machine, time_scale: self.time, keeps_maxima: self.keep_maxima }
-    }
-
-    /// The warnings about the patch: at their positions in its file, or in the problem if no file is written.
-    fn warnings(&self, problem: &Problem, scaled: &ScaledProblem) -> Result<Report, Failure> {
-        Ok(match &self.out {
-            Some(file) => {
-                let findings = Circuit::new(&scaled.patch)?.warnings().findings;
-                Report::new(&file.display().to_string(), scaled.patch.text(), findings)
-            }
-            None => Report::new(problem.patch.file(), problem.patch.text(), scaled.warnings.clone()),
-        })
     }
 
     /// The printed result.
@@ -204,18 +192,13 @@ struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// The document of a scaled problem. `warnings` are those of the patch.
-    fn new(
-        problem: &'a Problem,
-        scaled: &'a ScaledProblem,
-        warnings: &Report,
-        out: Option<&PathBuf>,
-    ) -> Self {
+    /// The document of a scaled problem.
+    fn new(problem: &'a Problem, scaled: &'a ScaledProblem, out: Option<&PathBuf>) -> Self {
         Document {
             ok: true,
             problem: problem.patch.file(),
             title: &problem.patch.title,
-            diagnostics: warnings.documents(),
+            diagnostics: scaled.warnings.documents(),
             time_scale: scaled.time_scale,
             quantities: &scaled.quantities,
             peaks: &scaled.peaks,

@@ -3,7 +3,7 @@
 use indexmap::IndexSet;
 use serde::Serialize;
 
-use super::table::Table;
+use super::table::{Table, decimals};
 use patchcord::circuit::Circuit;
 use patchcord::equations::{AuditedGain, GainDecision};
 
@@ -30,11 +30,11 @@ pub(super) fn scaling_text(circuit: &Circuit, gains: &[AuditedGain]) -> String {
             row.element.clone(),
             row.input.clone(),
             row.output.clone(),
-            format!("{:.6}", row.computer_gain),
+            decimals(row.computer_gain, 6),
             format!("{:.6e}", row.block_gain),
             row.unit.clone(),
             block(gain),
-            gain.required_gain().map(|gain| format!("{gain:.6}")).unwrap_or_default(),
+            gain.required_gain().map(|gain| decimals(gain, 6)).unwrap_or_default(),
             gain.relative_error().map(percent).unwrap_or_default(),
             decided_by(circuit, gain).unwrap_or("not decided").to_owned(),
         ]);
@@ -44,7 +44,7 @@ pub(super) fn scaling_text(circuit: &Circuit, gains: &[AuditedGain]) -> String {
 
 /// A share in percent.
 fn percent(share: f64) -> String {
-    format!("{:.2} %", 100.0 * share + 0.0)
+    decimals(100.0 * share, 2) + " %"
 }
 
 /// The block gain as a formula: that of an equation, or in parentheses one that has the same value by chance or by

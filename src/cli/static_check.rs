@@ -5,9 +5,9 @@ use serde::Serialize;
 
 use super::failure::Failure;
 use super::numbers::{seed, setting};
-use super::table::Table;
+use super::table::{Table, decimals};
 use patchcord::circuit::Circuit;
-use patchcord::document::{TypedNumber, plural};
+use patchcord::document::{TypedNumber, plural, unit_suffix};
 use patchcord::equations::{
     Fix, RowSource, StaticCheck, StaticRow, TestError, TestValue, TestValues, static_check, test_unit,
 };
@@ -140,21 +140,26 @@ impl StaticReport {
             return "the initial condition".to_owned();
         }
         let value = |value: &TestValue| {
-            format!("{} = {} {}", value.name, format_significant(value.value, DIGITS), value.unit)
+            let number = format_significant(value.value, DIGITS);
+            format!("{} = {number}{}", value.name, unit_suffix(&value.unit))
         };
         self.check.values.iter().map(value).collect::<Vec<_>>().join(", ")
     }
 
     /// What follows from the tables.
     fn conclusion(&self) -> String {
-        let mut text = String::from("\n");
-        if self.check.rows.iter().any(|row| row.is_overloaded) {
-            text += "overload at these values: use smaller test values\n";
-        }
+        let mut text = format!("\n{}", self.overload_text());
         if !self.check.has_equations {
             return text + "the patch states no equations, so there are no expected values\n";
         }
-        let Some(first) = self.check.first_difference() else { return text + "no difference\n" };
+        let skipped = self.check.rows.iter().filter(|row| row.not_compared.is_some()).count();
+        if skipped > 0 {
+            text += &format!("{} not compared\n", plural(skipped as u64, "row"));
+        }
+        let others = if skipped > 0 { " in the other rows" } else { "" };
+        let Some(first) = self.check.first_difference() else {
+            return text + &format!("no difference{others}\n");
+        };
         let count = plural(self.difference_count() as u64, "difference");
         text += &format!("{count}, the first at {}", row_name(first));
         text += &if first.note.is_empty() { "\n".to_owned() } else { format!(" ({})\n", first.note) };
@@ -162,6 +167,19 @@ impl StaticReport {
             text += &format!("most likely correction: {correction}\n");
         }
         text
+    }
+
+    /// The line about overloads, with advice; empty if there are none.
+    fn overload_text(&self) -> &'static str {
+        let is_overloaded = self.check.rows.iter().any(|row| row.is_overloaded);
+        match (is_overloaded, self.check.is_random) {
+            (false, _) => "",
+            (true, false) => "overload at these values: use smaller test values\n",
+            (true, true) => {
+                "overload at these values: all random values within 0.1 V of 0 V or of the initial condition \
+                 overload an amplifier; give values with --test NAME=VALUE\n"
+            }
+        }
     }
 
     /// The document.
@@ -195,8 +213,8 @@ fn table<'a>(heading: &str, rows: impl Iterator<Item = &'a StaticRow>) -> String
     let mut table =
         Table::new([heading, "expected", "wired", "quantity", "expected", "wired", "unit", "remark", "note"]);
     for row in rows {
-        let (volts, quantity) = (|volts: f64| format!("{:.4}", volts + 0.0), row.quantity.as_ref());
-        let in_unit = |value: f64| format_significant(value + 0.0, DIGITS);
+        let (volts, quantity) = (|volts: f64| decimals(volts, 4), row.quantity.as_ref());
+        let in_unit = |value: f64| format_significant(value, DIGITS);
         table.row([
             row_name(row),
             row.expected.map(volts).unwrap_or_default(),
@@ -212,11 +230,12 @@ fn table<'a>(heading: &str, rows: impl Iterator<Item = &'a StaticRow>) -> String
     table.text()
 }
 
-/// The remark on a row: a difference, an overload, and where the expected value comes from.
+/// The remark on a row: a difference, an overload, why it is not compared, and where the expected value comes from.
 fn remark(row: &StaticRow) -> String {
     let difference = row.differs.then_some("DIFFERENT");
     let overload = row.is_overloaded.then_some("overload");
-    let parts = [difference, overload, source(row.source)];
+    let not_compared = row.not_compared.as_ref().map(|reason| format!("not compared: {reason}"));
+    let parts = [difference, overload, not_compared.as_deref(), source(row.source)];
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
@@ -261,6 +280,7 @@ struct RowDocument<'a> {
     quantity: Option<QuantityDocument<'a>>,
     source: &'static str,
     differs: bool,
+    not_compared: Option<&'a str>,
     overload: bool,
 }
 
@@ -297,6 +317,7 @@ impl<'a> RowDocument<'a> {
             quantity,
             source: source_key(row.source),
             differs: row.differs,
+            not_compared: row.not_compared.as_deref(),
             overload: row.is_overloaded,
         }
     }

@@ -56,6 +56,15 @@ impl Table {
     }
 }
 
+/// A number with this many decimals. A number that is rounded to 0 has no sign.
+pub(super) fn decimals(number: f64, count: usize) -> String {
+    let text = format!("{number:.count$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|digit| matches!(digit, b'0' | b'.')) => size.to_owned(),
+        _ => text,
+    }
+}
+
 /// Pads the cells to the widths. Two spaces separate columns, and spaces at the end are removed.
 fn line(row: &[String], widths: &[usize], numeric: &[bool]) -> String {
     let cells = row.iter().zip(widths).zip(numeric).map(|((cell, width), numeric)| {
@@ -77,6 +86,14 @@ mod tests {
         table.row(["A1".into(), "100".into()]);
         table.row(["long".into(), "-5".into()]);
         assert_eq!(table.text(), "name  volts\nA1      100\nlong     -5\n");
+    }
+
+    #[test]
+    fn a_number_that_is_rounded_to_0_has_no_sign() {
+        let texts = [-0.00004, -0.0, 0.00004, -0.00006, -12.5].map(|number| decimals(number, 4));
+        assert_eq!(texts, ["0.0000", "0.0000", "0.0000", "-0.0001", "-12.5000"]);
+        assert_eq!(decimals(-0.4, 0), "0");
+        assert_eq!(decimals(f64::NEG_INFINITY, 2), "-inf");
     }
 
     #[test]

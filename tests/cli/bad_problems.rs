@@ -44,13 +44,13 @@ fn a_fault_of_a_problem_has_exit_code_1_and_a_position() {
 
 #[test]
 fn a_fault_of_the_built_patch_is_at_the_quantity_of_the_problem() {
-    let (_folder, file) = decay("= -x", "= -20 * sign(x)");
-    let text = fs::read_to_string(&file).unwrap().replace("\"mm\"", "\"1\"");
+    let (_folder, file) = decay("= -x", "= 10 - 20 * step(x)");
+    let text = fs::read_to_string(&file).unwrap().replace("\"mm\", \"initial\": 50", "\"1\", \"initial\": 5");
     fs::write(&file, text).unwrap();
     let scaled = patchcord(&["scale", &file]);
     assert_eq!(code(&scaled), 1);
     let text = errors(&scaled);
-    assert!(text.contains("sign(x) switches without end") && text.contains("decay.json:4:18"), "{text}");
+    assert!(text.contains("step(x) switches without end") && text.contains("decay.json:4:18"), "{text}");
     assert!(!text.contains("(built)") && !text.contains("relay"), "{text}");
 }
 

@@ -77,7 +77,7 @@ fn voltages_at_a_later_time_need_a_valid_run() {
         (FIG_8_16, "1e15", "give an earlier time with --values"),
         (FIG_8_16, "1e-9", "give a later time with --values"),
         (&stepless, "0.5", "write {\"step\": SECONDS} there"),
-        (&phased, "2.5", "the run ends after 2.000000 s: give an earlier time with --values"),
+        (&phased, "2.5", "the run ends after 2 s: give an earlier time with --values"),
     ] {
         let failed = patchcord(&["draw", patch, "--values", seconds, "--json"]);
         assert_eq!(code(&failed), 2, "{seconds} of {patch}");

@@ -22,6 +22,7 @@ mod readme;
 mod replay;
 mod run;
 mod run_errors;
+mod scale_documents;
 mod sensitivity;
 mod slideway;
 mod standard_streams;

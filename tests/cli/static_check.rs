@@ -5,6 +5,7 @@ use std::fs;
 use super::{code, errors, json, out, patchcord, path, spring_with};
 
 const SPRING: &str = "patches/lessons/mass-and-spring.json";
+const LORENZ: &str = "patches/lessons/lorenz.json";
 /// A gain of 1 in place of 10 in front of the integrator of the velocity.
 const WRONG_GAIN: &str = "crates/equations/tests/patches/traps/g1.json";
 
@@ -131,7 +132,24 @@ fn an_overload_at_test_values_is_marked() {
     assert_eq!(code(&checked), 0, "{}", errors(&checked));
     let text = out(&checked);
     assert!(line(&text, "B1").contains(&"overload,"), "{text}");
-    assert!(text.contains("overload at these values: use smaller test values\nno difference\n"), "{text}");
+    let conclusion = "overload at these values: use smaller test values\n8 rows not compared\n\
+                      no difference in the other rows\n";
+    assert!(text.ends_with(conclusion), "{text}");
+    assert!(text.contains("not compared: A2 is overloaded"), "{text}");
+    let document = json(&patchcord(&["check", SPRING, "--test", "x=200", "--json"]));
+    let rows = document["static_check"]["rows"].as_array().unwrap();
+    let row = |name: &str| rows.iter().find(|row| row["element"] == name).unwrap();
+    assert_eq!(row("B1")["not_compared"], "A2 is overloaded");
+    assert!(row("A1")["not_compared"].is_null());
+}
+
+/// The Lorenz equations have pure numbers, and -1e-7 V is rounded to 0 V.
+#[test]
+fn pure_numbers_have_no_unit_and_0_has_no_sign() {
+    let text = out(&patchcord(&["check", LORENZ, "--test", "x=0.5", "--test", "y=-1e-6"]));
+    assert!(text.contains("\nstatic check at x = 0.5, y = -1e-6:\n"), "{text}");
+    assert_eq!(&line(&text, "A2")[..5], ["A2", "0.0000", "0.0000", "y", "-1e-6"], "{text}");
+    assert!(!text.contains("-0.0000"), "{text}");
 }
 
 #[test]

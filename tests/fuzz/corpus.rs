@@ -98,8 +98,12 @@ impl Corpus {
             fragments: Fragments::new(),
             has_slow_cases,
         };
-        let Corpus { patches, problems, bad_problems, bad_patches, experiments, effects, fragments, .. } = &mut corpus;
-        for document in [&*patches, &*problems, &*bad_problems, &*bad_patches, &*experiments, &*effects].into_iter().flatten() {
+        let Corpus { patches, problems, bad_problems, bad_patches, experiments, effects, fragments, .. } =
+            &mut corpus;
+        for document in [&*patches, &*problems, &*bad_problems, &*bad_patches, &*experiments, &*effects]
+            .into_iter()
+            .flatten()
+        {
             collect_fragments(&document.node, fragments);
         }
         corpus

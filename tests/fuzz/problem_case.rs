@@ -34,8 +34,13 @@ pub(crate) fn problem_case(corpus: &Corpus, random: &mut SplitMix64) -> Case {
 /// A command line for the problem.
 fn scale_command(random: &mut SplitMix64) -> Vec<String> {
     let mut words = vec!["scale", PROBLEM];
-    let options: [&[&str]; 5] =
-        [&["--keep-maxima"], &["--steps"], &["--json"], &["--machine", "solartron-1451"], &["--machine", "none"]];
+    let options: [&[&str]; 5] = [
+        &["--keep-maxima"],
+        &["--steps"],
+        &["--json"],
+        &["--machine", "solartron-1451"],
+        &["--machine", "none"],
+    ];
     for option in options {
         if once_in(5, random) {
             words.extend_from_slice(option);

@@ -76,7 +76,8 @@ fn the_peaks_of_the_slideway_are_near_those_of_all_steps() {
     let every_step = run_with(&program, &settings.clone().with_signals(names));
     for (sampled, exact) in sampled.iter().zip(&every_step.amplifier_peaks) {
         assert!(sampled.volts <= exact.volts + 1e-6, "{sampled:?} {exact:?}");
-        assert!(sampled.volts >= 0.5 * exact.volts, "{sampled:?} {exact:?}");
+        // The 64 planned readings alone reach 0.777 of the peak of A2, and more of all others.
+        assert!(sampled.volts >= 0.77 * exact.volts, "{sampled:?} {exact:?}");
     }
     // The position error is much smaller than full scale.
     let error = every_step.amplifier_peaks.iter().find(|peak| peak.element == "A6").unwrap();

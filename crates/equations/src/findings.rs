@@ -20,14 +20,20 @@ pub mod codes {
             "write it for a signal or the derivative of a signal";
         NO_SOLUTION "no-solution" Error "A quantity of a problem has no value at some time of the run."
             "check the equations, the parameters and the initial values, or end the run earlier";
-        UNBOUNDED "unbounded" Error "A quantity of a problem grows without bound."
+        UNBOUNDED "unbounded" Error "A quantity of a problem becomes infinite, or exceeds 1e60 in SI units."
             "look for a term with the wrong sign, or end the run earlier";
         ZERO_DIVISOR "zero-divisor" Error "A divisor of a problem reaches 0 in the run."
             "multiply the equation by the divisor, or end the run earlier";
         LONG_SOLUTION "long-solution" Error "The numerical solution of a problem takes too many evaluations."
-            "end the run earlier, or state a \"maximum\" for each quantity";
+            "end the run earlier, or leave out the fastest motion";
+        EXCEEDED_MAXIMUM "exceeded-maximum" Warning "A quantity of a problem exceeds its \"maximum\", so its scale follows from its peak."
+            "state a larger \"maximum\"";
+        SHORTENED_STEP "shortened-step" Warning "The step of a problem is too long, so its patch has a shorter one."
+            "state the shorter step, or a \"tolerance\" in its place";
         NO_CIRCUIT "no-circuit" Error "A part of a problem has no circuit with these values and scales."
             "give the quantity another \"maximum\", or write the equation in another form";
+        MISSING_PARTS "missing-parts" Warning "A scaled patch needs more parts than its machine has."
+            "write the equations with fewer of them, or use the machine \"unlimited\"";
     }
 }
 

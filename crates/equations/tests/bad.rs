@@ -1,13 +1,15 @@
 //! Patches whose wiring does not solve their equations, typical mistakes of beginners, and problems that cannot be
-//! scaled.
+//! scaled or whose patch differs from them.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use crate::files::{assert_up_to_date, json_files_in, repository_path};
+use crate::problem_files::problem_file;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Report};
 use patchcord_core::ir::Program;
+use patchcord_core::machines;
 use patchcord_core::patch::{Patch, Problem};
 use patchcord_equations::{
     ScaleError, ScaleOptions, codes, compare_equations, equation_findings, scale_problem,
@@ -39,7 +41,7 @@ fn problems() -> Vec<PathBuf> {
     json_files_in(&repository_path("crates/equations/tests/problems"))
 }
 
-/// The faults of a problem that cannot be scaled.
+/// The faults of a problem that cannot be scaled, or the warnings about one whose patch differs from it.
 fn problem_report(path: &Path) -> Report {
     let text = std::fs::read_to_string(path).unwrap();
     let file = path.file_name().unwrap().to_str().unwrap();
@@ -47,8 +49,17 @@ fn problem_report(path: &Path) -> Report {
     match scale_problem(&problem, &ScaleOptions::default()) {
         Err(ScaleError::Problem(report)) => *report,
         Err(error) => panic!("{file}: {error}"),
-        Ok(_) => panic!("{file} has a patch"),
+        Ok(scaled) if scaled.warnings.findings.is_empty() => panic!("{file} has a patch"),
+        Ok(scaled) => scaled.warnings,
     }
+}
+
+/// The warnings about a problem that needs more parts than the machine has.
+fn report_on_small_machine() -> Report {
+    let problem = Problem::read(problem_file("projectile")).unwrap_or_else(|error| panic!("{error}"));
+    let machine = machines::find("solartron-1451").unwrap();
+    let options = ScaleOptions { machine, ..ScaleOptions::default() };
+    scale_problem(&problem, &options).unwrap_or_else(|error| panic!("{error}")).warnings
 }
 
 #[test]
@@ -76,7 +87,9 @@ fn every_bad_patch_has_its_report() {
 fn every_code_has_a_bad_patch_or_problem() {
     let of_patches = patches("bad").into_iter().flat_map(|path| report(&path).findings);
     let of_problems = problems().into_iter().flat_map(|path| problem_report(&path).findings);
-    let found: HashSet<Code> = of_patches.chain(of_problems).map(|finding| finding.code).collect();
+    let of_machine = report_on_small_machine().findings;
+    let found = of_patches.chain(of_problems).chain(of_machine);
+    let found: HashSet<Code> = found.map(|finding| finding.code).collect();
     for code in codes::ALL {
         assert!(found.contains(code), "{}", code.as_str());
     }

@@ -14,3 +14,4 @@ mod mistakes;
 mod problem_files;
 mod round_trip;
 mod scale;
+mod static_check;

@@ -2,8 +2,8 @@
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
-use patchcord_core::patch::Patch;
-use patchcord_equations::{Agreement, compare_equations};
+use patchcord_core::patch::{Patch, Problem};
+use patchcord_equations::{Agreement, ScaleOptions, compare_equations, scale_problem};
 use serde_json::Value;
 
 use crate::problem_files::{problem_file, problem_files};
@@ -85,4 +85,34 @@ fn a_wrong_gain_of_an_open_amplifier_is_never_accepted() {
         different += usize::from(agreements.iter().any(is_different));
     }
     assert!(different > 0);
+}
+
+/// A problem with six quotients in an equation.
+const QUOTIENTS: &str = r#"{"patchcord": 1,
+  "parameters": {"a": {"value": 1, "unit": "1"}, "b": {"value": 2, "unit": "1"}, "c": {"value": 1.5, "unit": "1"},
+                 "k": {"value": 1.1, "unit": "1"}, "h": {"value": 1.3, "unit": "1"}},
+  "quantities": {"x": {"unit": "1", "initial": 1}, "y": {"unit": "1", "initial": 0.5},
+                 "z": {"unit": "1", "initial": 0.3}},
+  "equations": ["x' = a x y/(k + x) - b y z/(h + y) + c z x/(k + z) - a x z/(h + x + y) + b x/(k + y + z) - c x/(h + z) - x",
+                "y' = x - 2 y", "z' = y - z"],
+  "run": {"for": 5, "step": 0.01}}"#;
+
+/// The normal form of the equation is one long sum over six divisors.
+#[test]
+fn a_wrong_term_among_quotients_is_named() {
+    let problem = Problem::parse("quotients.json", QUOTIENTS).unwrap_or_else(|report| panic!("{report}"));
+    let scaled = scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let solved = agreements(&scaled.patch).unwrap();
+    assert!(solved.iter().all(|(_, agreement)| agreement.is_solved()), "{solved:?}");
+    let mut wrong = scaled.patch.value().clone();
+    let elements = wrong["elements"].as_object_mut().unwrap().values_mut();
+    let mut dividends = elements.filter(|element| {
+        element["kind"] == "pot" && element["note"].as_str().is_some_and(|note| note.ends_with("b y z"))
+    });
+    let setting = &mut dividends.next().unwrap()["setting"];
+    *setting = format!("0.5 * {}", setting.as_str().unwrap()).into();
+    let wrong = Patch::from_value("wrong.json", &wrong).unwrap_or_else(|report| panic!("{report}"));
+    let (_, agreement) = agreements(&wrong).unwrap().remove(0);
+    let Agreement::Different { differences, .. } = agreement else { panic!("{agreement:?}") };
+    assert_eq!(differences, ["the term -b y z/(y + h) is 2 times too small"]);
 }

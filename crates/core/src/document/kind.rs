@@ -85,7 +85,7 @@ impl DocumentKind {
     /// The main key of a document of this kind. `None` if the document is of another kind.
     fn identifying_key(self, entries: &[KeyValue]) -> Option<&KeyValue> {
         if self == DocumentKind::Problem {
-            return problem_key(entries);
+            return quantities_key(entries);
         }
         let find = |key: &str| entries.iter().find(|entry| entry.key == key);
         let has_all = |keys: &&&[&str]| keys.iter().all(|key| find(key).is_some());
@@ -118,7 +118,7 @@ impl DocumentKind {
     }
 
     /// The sets of keys that identify the kind: a document with all keys of one set is of this kind. Every set begins
-    /// with the main key. A problem is also identified by other keys, see [`problem_key`].
+    /// with the main key. A problem is also identified by other words, see [`quantities_key`].
     fn key_sets(self) -> &'static [&'static [&'static str]] {
         match self {
             DocumentKind::Problem => &[&["quantities", "patchcord"]],
@@ -178,22 +178,16 @@ fn identify(entries: &[KeyValue]) -> Option<(DocumentKind, &KeyValue)> {
 const ELEMENTS: &str = "elements";
 /// The key of the equations of a problem or a patch.
 const EQUATIONS: &str = "equations";
-/// The sections that are the substance of a patch. A document that has equations and none of them is a problem.
-const PATCH_SECTIONS: [&str; 5] = [ELEMENTS, "drives", "scales", "signals", "macros"];
 
-/// The key that identifies a problem: the one that means its quantities, or that of its equations if it has no section
-/// of a patch.
+/// The key of a problem that means its quantities: the right key, another word for it, or a misspelled one.
 ///
-/// The quantities can have the right key, another word for it, or a misspelled one. `None` if the document is not one of
-/// patchcord, or if it has elements and so is a patch.
-fn problem_key(entries: &[KeyValue]) -> Option<&KeyValue> {
+/// `None` if there is no such key, if the document is not one of patchcord, or if it has elements and so is a patch.
+fn quantities_key(entries: &[KeyValue]) -> Option<&KeyValue> {
     let find = |is_meant: &dyn Fn(&str) -> bool| entries.iter().find(|entry| is_meant(&entry.key));
     if !has_key(entries, "patchcord") || has_key(entries, ELEMENTS) {
         return None;
     }
-    let quantities = find(&|key| key == QUANTITIES.key).or_else(|| find(&means_quantities));
-    let is_patch = PATCH_SECTIONS.iter().any(|section| has_key(entries, section));
-    quantities.or_else(|| find(&|key| key == EQUATIONS).filter(|_| !is_patch))
+    find(&|key| key == QUANTITIES.key).or_else(|| find(&means_quantities))
 }
 
 /// Whether a document has a key.

@@ -200,7 +200,7 @@ impl Program {
     }
 
     /// The demanded outputs of the amplifiers outside loops, by the registers of their outputs.
-    fn demands_outside_loops(&self) -> HashMap<Register, Register> {
+    pub(super) fn demands_outside_loops(&self) -> HashMap<Register, Register> {
         let is_in_loop = |index: &usize| self.lowered.loops.iter().any(|entry| entry.lamps.contains(index));
         let lamps = self.lowered.lamps.iter().enumerate().filter(|(index, _)| !is_in_loop(index));
         lamps.map(|(_, lamp)| (lamp.output, lamp.demand)).collect()

@@ -338,7 +338,7 @@ impl RunError {
     }
 
     /// Whether the error may depend on the length of equal steps, so that a run with shorter ones may have none.
-    pub(super) fn may_depend_on_step(&self) -> bool {
+    pub fn may_depend_on_step(&self) -> bool {
         match self {
             RunError::NotANumber { .. }
             | RunError::Loop { .. }

@@ -12,9 +12,10 @@ use super::intended::fraction;
 use super::model::{Model, Obstacle};
 use super::numerical::Difference;
 use super::points::{ParameterValues, Point, equal_at_points};
+use super::solution::Solved;
 use super::terms::{DifferenceKind, TermDifference, differences};
 use crate::derive::LawKind;
-use crate::symbolic::{Atom, Fraction, Symbol, SymbolKind, partial_derivative, value};
+use crate::symbolic::{Fraction, Symbol, SymbolKind, value};
 
 /// A comparison in progress.
 pub(super) struct Comparison<'a> {
@@ -126,38 +127,75 @@ impl<'a> Comparison<'a> {
         let none = HashSet::new();
         let [left, right] = [equation.left(), equation.right()]
             .map(|side| fraction(side, &mut |name| self.model.named(name, &none)));
-        let (left, right) = (left?, right?);
-        let residual = left.minus(&right);
-        if residual.is_zero() || self.is_implicit_law(&residual) {
+        let sides = [left?, right?];
+        if sides[0] == sides[1] {
             return Ok(Outcome::Solved);
         }
-        let Some((name, stated)) = self.solved(equation)? else {
-            if let Some(symbol) = self.implicit_symbol(&residual) {
-                return Err(Obstacle::Implicit(self.model.system.symbols.entry(symbol).name.clone()));
+        let are_equal = self.are_equal(ParameterValues::Present, sides.each_ref());
+        // Different values are found faster than a difference in normal form. They do not decide if the wiring has a loop
+        // that makes both sides equal.
+        if are_equal != Some(false) || self.has_implicit_laws() {
+            let residual = sides[0].minus(&sides[1]);
+            if residual.is_zero() || self.is_implicit_law(&residual) {
+                return Ok(Outcome::Solved);
             }
-            return Ok(match self.are_equal(ParameterValues::Present, [&left, &right]) {
-                Some(true) => self.solved_generally([&left, &right]),
-                Some(false) => Outcome::Sides(left, right),
-                None => Outcome::NoValue,
-            });
-        };
-        let kept = self.kept(equation, &name);
-        let (stated, wired) = (self.model.expanded_fraction(&stated, &kept), self.model.named(&name, &kept)?);
-        let terms = self.differences(ParameterValues::Present, [&stated, &wired]);
+        }
+        match self.solved(equation)? {
+            Some(solved) => self.solved_outcome(equation, &solved),
+            None => self.unsolved_outcome(sides, are_equal),
+        }
+    }
+
+    /// The outcome for an equation that is solved for a quantity.
+    fn solved_outcome(&mut self, equation: &Equation, solved: &Solved) -> Result<Outcome, Obstacle> {
+        let kept = self.kept(equation, &solved.name);
+        let wired = self.model.named(&solved.name, &kept)?;
+        let Solved { name, value: stated, .. } = solved;
+        if let Some(term) = self.wrong_term(equation, solved, &wired, &kept) {
+            return Ok(Outcome::Terms { name: name.clone(), terms: vec![term], wired });
+        }
+        let terms = self.differences(ParameterValues::Present, [stated, &wired]);
         if terms.is_empty() {
-            return Ok(self.solved_generally([&stated, &wired]));
+            return Ok(self.solved_generally([stated, &wired]));
         }
         // Signals in the equation are wired correctly or not; a difference that remains without them is in this one.
-        let none = HashSet::new();
-        let full_stated = self.model.expanded_fraction(&stated, &none);
-        let full_wired = self.model.named(&name, &none)?;
-        let sides = [&full_stated, &full_wired];
-        if self.differences(ParameterValues::Present, sides).is_empty()
-            || self.are_equal(ParameterValues::Present, sides) == Some(true)
-        {
-            return Ok(self.solved_generally(sides));
+        if self.are_equal(ParameterValues::Present, [stated, &wired]) == Some(true) {
+            return Ok(self.solved_generally([stated, &wired]));
         }
-        Ok(Outcome::Terms { name, terms, wired })
+        if !kept.is_empty() {
+            let none = HashSet::new();
+            let full = [self.model.expanded_fraction(stated, &none), self.model.named(name, &none)?];
+            let sides = full.each_ref();
+            if self.differences(ParameterValues::Present, sides).is_empty()
+                || self.are_equal(ParameterValues::Present, sides) == Some(true)
+            {
+                return Ok(self.solved_generally(sides));
+            }
+        }
+        Ok(Outcome::Terms { name: name.clone(), terms, wired })
+    }
+
+    /// The outcome for an equation that is solved for no quantity. `are_equal` is whether its sides are equal at points.
+    fn unsolved_outcome(
+        &self,
+        [left, right]: [Fraction; 2],
+        are_equal: Option<bool>,
+    ) -> Result<Outcome, Obstacle> {
+        let residual = left.minus(&right);
+        if let Some(symbol) = self.implicit_symbol(&residual) {
+            return Err(Obstacle::Implicit(self.model.system.symbols.entry(symbol).name.clone()));
+        }
+        Ok(match are_equal {
+            Some(true) => self.solved_generally([&left, &right]),
+            Some(false) if residual.is_zero() => Outcome::Solved,
+            Some(false) => Outcome::Sides(left, right),
+            None => Outcome::NoValue,
+        })
+    }
+
+    /// Whether the wiring has loops without a formula.
+    fn has_implicit_laws(&self) -> bool {
+        self.model.system.laws.iter().any(|law| matches!(law.kind, LawKind::Implicit(_)))
     }
 
     /// Whether an expression is 0 because a loop of the wiring makes it 0: it is a constant times the residual of the
@@ -255,57 +293,6 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// The name for which an equation is solved, and its value in the names of the equation. It is the name with the
-    /// most primes on the left. `None` if the equation is not linear in it.
-    fn solved(&mut self, equation: &Equation) -> Result<Option<(String, Fraction)>, Obstacle> {
-        let mut names = equation.names();
-        names.retain(|name| self.is_variable(name));
-        names.sort_by_key(|name| std::cmp::Reverse(split_primes(name).1));
-        let Some(name) = names.first().map(|name| (*name).to_owned()) else { return Ok(None) };
-        let dimension = patchcord_expr::Dimension::NONE;
-        let unknown = self.model.system.symbols.variable(&name, 0, dimension);
-        let kept = self.kept(equation, &name);
-        let [left, right] = [equation.left(), equation.right()].map(|side| {
-            fraction(side, &mut |other| {
-                if other == name { Ok(Fraction::symbol(unknown)) } else { self.model.named(other, &kept) }
-            })
-        });
-        let difference = left?.minus(&right?);
-        let slope = partial_derivative(&difference, unknown);
-        if slope.is_zero() || slope.contains(&mut |symbol| symbol == unknown) {
-            return Ok(None);
-        }
-        let value = Fraction::symbol(unknown).minus(&difference.over(&slope));
-        Ok((!value.contains(&mut |symbol| symbol == unknown)).then_some((name, value)))
-    }
-
-    /// Whether a name of an equation is a quantity that varies.
-    fn is_variable(&self, name: &str) -> bool {
-        let base = split_primes(name).0;
-        let patch = self.circuit.patch();
-        patch.signals.contains_key(base)
-            || (self.model.expands_drives() && patch.drives.contains_key(base))
-            || self.circuit.auxiliary_quantities().any(|auxiliary| auxiliary == base)
-    }
-
-    /// The signals of an equation that follow from others: they stay in the comparison under their names, except the
-    /// one for which the equation is solved.
-    fn kept(&self, equation: &Equation, solved: &str) -> HashSet<Symbol> {
-        let solved = split_primes(solved).0;
-        let names = equation.names().into_iter().filter(|name| *name != solved && split_primes(name).1 == 0);
-        let found = names.filter_map(|name| self.model.symbol(name, 0));
-        found.filter(|symbol| self.is_expression(*symbol)).collect()
-    }
-
-    /// Whether a signal follows from others, and is not only another name for one of them.
-    fn is_expression(&self, signal: Symbol) -> bool {
-        let Some(LawKind::Definition(value)) = self.model.system.law(signal) else { return false };
-        let is_constant = |atom: &Atom| matches!(atom, Atom::Symbol(symbol) if symbol.is_constant);
-        let factors =
-            value.numerator().as_term().map(|(product, _)| product.only(|atom, _| !is_constant(atom)));
-        !factors.is_some_and(|product| matches!(product.factors(), [(Atom::Symbol(_), 1)]))
-    }
-
     /// The terms in which a stated and a wired expression differ.
     fn differences(
         &self,
@@ -329,7 +316,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// A point with these values of the parameters.
-    fn point(&self, parameters: ParameterValues) -> Point<'_> {
+    pub(super) fn point(&self, parameters: ParameterValues) -> Point<'_> {
         let (system, program, coefficients) = (&self.model.system, self.program, &self.coefficients);
         Point { system, program, coefficients, parameters, duration: self.duration, index: 0 }
     }

@@ -14,8 +14,10 @@ pub(crate) mod intended;
 mod model;
 mod numerical;
 mod points;
+mod solution;
 mod terms;
 mod wording;
+mod wrong_term;
 
 use std::collections::HashSet;
 

@@ -9,7 +9,7 @@ use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, term_size, value};
 /// Points at which two expressions are compared.
 const POINTS: u32 = 64;
 /// Points at which both expressions must have a value.
-const MIN_POINTS: u32 = 8;
+pub(super) const MIN_POINTS: u32 = 8;
 /// Difference of two equal expressions by rounding, as a share of the sum of their terms.
 const ROUNDING: f64 = 1e-9;
 /// The golden ratio, whose multiples have irregular fractions.
@@ -64,12 +64,16 @@ fn near_value(parameter: &ParameterValue, index: usize) -> f64 {
     parameter.value + size * (0.01 + 0.03 * golden_place(index as u64))
 }
 
+/// The points at which expressions are compared. `point` is any of them.
+pub(super) fn points(point: Point<'_>) -> impl Iterator<Item = Point<'_>> {
+    (1..=POINTS).map(move |index| Point { index, ..point })
+}
+
 /// Whether two expressions are equal at all points at which both have a value. `None` if they have one at few points, as
 /// the root of a quantity that is mostly negative. `point` is any of the points.
 pub(super) fn equal_at_points(point: Point<'_>, [first, second]: [&Fraction; 2]) -> Option<bool> {
     let mut compared = 0;
-    for index in 1..=POINTS {
-        let point = Point { index, ..point };
+    for point in points(point) {
         let [one, other] = [first, second].map(|fraction| value(fraction, &point));
         if !(one.is_finite() && other.is_finite()) {
             continue;

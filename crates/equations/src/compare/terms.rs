@@ -43,7 +43,10 @@ pub(crate) fn differences(stated: &Fraction, wired: &Fraction, values: &dyn Valu
     products.dedup();
     let none = Polynomial::default();
     let term = |factor: &Polynomial, product: &Monomial| {
-        Fraction::from(factor.times_term(product, &Rational::from_integer(1.into()))).over(&divisors)
+        let numerator = Fraction::from(factor.times_term(product, &Rational::from_integer(1.into())));
+        divisors.iter().fold(numerator, |term, (divisor, power)| {
+            term.over(&Fraction::from(divisor.clone()).power(*power as i32))
+        })
     };
     let difference = |product: &Monomial| {
         let [own, other] = [&stated, &wired].map(|terms| terms.get(product).unwrap_or(&none));
@@ -80,6 +83,11 @@ fn kind(stated: &Polynomial, wired: &Polynomial, values: &dyn Values) -> Option<
         None if other == 0.0 => return Some(DifferenceKind::Missing),
         None => other / own,
     };
+    kind_of_factor(factor)
+}
+
+/// How a term differs that is this many times the stated one. `None` if it does not.
+pub(super) fn kind_of_factor(factor: f64) -> Option<DifferenceKind> {
     if (factor - 1.0).abs() < TOLERANCE {
         None
     } else if (factor + 1.0).abs() < TOLERANCE {

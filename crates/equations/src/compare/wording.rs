@@ -59,13 +59,20 @@ impl Comparison<'_> {
         let writer = Writer::new(self.circuit, &self.model.system);
         let write = |value: &Fraction| text(&writer.expression(value, dimension));
         let time_scale = self.circuit.time_scale();
-        let clauses = found.iter().map(|difference| clause(difference, time_scale, &write));
+        let clauses = found.iter().take(MAX_CLAUSES);
+        let mut differences: Vec<String> =
+            clauses.map(|difference| clause(difference, time_scale, &write)).collect();
+        if let Some(more @ 1..) = found.len().checked_sub(MAX_CLAUSES) {
+            differences.push(format!("{more} more terms differ"));
+        }
         let (base, primes) = split_primes(name);
         let left = Notation::Name { name: base.to_owned(), primes: u8::try_from(primes).unwrap_or(u8::MAX) };
-        Agreement::Different {
-            differences: clauses.collect(),
-            wired: format!("{} = {}", text(&left), write(wired)),
-        }
+        let wired = if wired.size() > MAX_WIRED_TERMS {
+            OTHER_EQUATION.to_owned()
+        } else {
+            format!("{} = {}", text(&left), write(wired))
+        };
+        Agreement::Different { differences, wired }
     }
 
     /// The agreement for a quantity with another initial value: the stated one and that of the wiring.
@@ -107,12 +114,18 @@ impl Comparison<'_> {
         });
         let wired = match law {
             Some(law) => format!("{} = {}", text(&law.left), text(&law.right)),
-            None => "another equation".to_owned(),
+            None => OTHER_EQUATION.to_owned(),
         };
         Agreement::Different { differences: vec![clause], wired }
     }
 }
 
+/// Differences that are listed at most.
+const MAX_CLAUSES: usize = 8;
+/// Terms of an equation of the wiring that is written, at most.
+const MAX_WIRED_TERMS: usize = 100;
+/// What the wiring solves, if its equation is not written.
+const OTHER_EQUATION: &str = "another equation";
 /// Significant digits of a value in a message.
 const VALUE_DIGITS: usize = 4;
 

@@ -12,6 +12,8 @@ pub(crate) use numbers::Numbers;
 const TOLERANCE: f64 = 1e-6;
 /// First step of a machine that does not run, in seconds.
 const FIRST_STEP: f64 = 1e-3;
+/// Demanded output above which an amplifier is overloaded, in volts.
+pub(crate) const OVERLOAD: f64 = 100.0 * (1.0 + 1e-6);
 /// Voltage by which the input of a network may be outside its range, by rounding.
 const RANGE_ROUNDING: f64 = 1e-9;
 
@@ -78,9 +80,15 @@ pub(crate) fn largest_demand(program: &Program, voltages: &[f64]) -> f64 {
 
 /// Whether the inputs of all squaring networks and logarithms are within their range.
 pub(crate) fn is_in_range(program: &Program, voltages: &[f64]) -> bool {
+    out_of_range(program, voltages).is_empty()
+}
+
+/// The registers that limit the inputs of squaring networks and logarithms which are outside their range.
+pub(crate) fn out_of_range(program: &Program, voltages: &[f64]) -> Vec<Register> {
     let volts = |register: Register| voltages[register.index()];
-    ranged(program.body()).into_iter().all(|register| match program.body()[register.index()] {
-        Op::Maximum(input, least) => volts(input) >= volts(least) - RANGE_ROUNDING,
-        _ => true,
-    })
+    let is_outside = |register: &Register| match program.body()[register.index()] {
+        Op::Maximum(input, least) => volts(input) < volts(least) - RANGE_ROUNDING,
+        _ => false,
+    };
+    ranged(program.body()).into_iter().filter(is_outside).collect()
 }

@@ -54,8 +54,8 @@ pub(crate) struct Ranges {
 /// relative error of a range is about 1e-5 where the motion does not amplify errors.
 ///
 /// # Errors
-/// If the equations have no solution at some time, a divisor reaches 0, a value grows without bound, or the solution
-/// takes more than 2 million evaluations. The diagnostic names the quantity and the time.
+/// If the equations have no solution at some time, a divisor reaches 0, a value becomes infinite or exceeds 1e60 in SI
+/// units, or the solution takes more than 2 million evaluations. The diagnostic names the quantity and the time.
 pub(crate) fn ranges(plan: &Plan, problem: &Problem, circuit: &Circuit) -> Result<Ranges, Diagnostic> {
     let stated = Stated::of(plan, problem, circuit);
     let ranges = solve(plan, circuit, &tables_in_si(problem), &stated);
@@ -84,7 +84,7 @@ fn solve(plan: &Plan, circuit: &Circuit, tables: &Tables, stated: &Stated) -> Re
     let program = Program::new(circuit)?;
     let drives = Drives::new(&network.drives, circuit, &program, times)?;
     let evaluator = Evaluator::new(&network, drives, stated);
-    let mut solution = Solution::new(evaluator, times, &stated.sizes)?;
+    let mut solution = Solution::new(evaluator, times)?;
     solution.run()?;
     Ok(solution.ranges())
 }

@@ -9,7 +9,7 @@ use patchcord_core::solve::{DORMAND_PRINCE, StateCurve, advance_states, weighted
 use super::Ranges;
 use super::evaluator::{Evaluator, MAX_EVALUATIONS, Unsolved};
 use super::extremes::Extremes;
-use super::fault::{Fault, FaultKind};
+use super::fault::Fault;
 use super::law::size;
 use super::quartic::INTERVALS;
 use super::step_control::StepControl;
@@ -52,17 +52,17 @@ pub(super) struct Solution<'a> {
 }
 
 impl<'a> Solution<'a> {
-    /// The solution at the first instant. `maxima` has the magnitude that is expected of each node, or 0.
+    /// The solution at the first instant.
     ///
     /// # Errors
     /// If the network has no solution there.
-    pub(super) fn new(mut evaluator: Evaluator<'a>, times: RunTimes, maxima: &[f64]) -> Result<Self, Fault> {
+    pub(super) fn new(mut evaluator: Evaluator<'a>, times: RunTimes) -> Result<Self, Fault> {
         let network = evaluator.network;
         let states: Vec<f64> = network.integrals.iter().map(|integral| integral.initial).collect();
-        evaluator.begin(0.0, &states).map_err(|unsolved| no_solution(unsolved, 0.0))?;
+        let begun = evaluator.begin(0.0, &states);
         let values = evaluator.values.clone();
-        let extremes = Extremes::new(&values);
-        let watch = Watch::new(network, &values, times.duration, maxima);
+        let (extremes, watch) = (Extremes::new(&values), Watch::new(network, &values));
+        begun.map_err(|unsolved| watch.unsolved(network, &extremes, &values, unsolved, 0.0))?;
         watch.check(network, &extremes, &values, 0.0)?;
         let control = StepControl::new(times, evaluator.shortest_delay());
         let mut rates = vec![vec![0.0; states.len()]; DORMAND_PRINCE.rates()];
@@ -137,7 +137,8 @@ impl<'a> Solution<'a> {
     }
 
     /// Tries a step of this length. Returns its error in tolerances; infinity if it is not a number. If the error is
-    /// acceptable, the samples are those of the step.
+    /// acceptable, the samples are those of the step. A rate that is not finite ends the attempt, so that the values of
+    /// the evaluator show its cause.
     ///
     /// # Errors
     /// If a loop has no solution.
@@ -148,6 +149,9 @@ impl<'a> Solution<'a> {
             advance_states(&mut self.inner_states, &self.states, &self.rates, stage.weights, length);
             self.evaluator.evaluate(self.time + stage.node * length, &self.inner_states)?;
             self.rates[index + 1].copy_from_slice(self.evaluator.rates());
+            if !self.evaluator.rates().iter().all(|rate| rate.is_finite()) {
+                return Ok(f64::INFINITY);
+            }
         }
         let weights = method.end_weights;
         advance_states(&mut self.end_states, &self.states, &self.rates, weights, length / method.divisor);
@@ -217,7 +221,6 @@ impl<'a> Solution<'a> {
         self.rates.swap(0, DORMAND_PRINCE.rates() - 1);
         self.states.copy_from_slice(&self.end_states);
         self.time = end;
-        self.watch.measure(end, &self.states);
         Ok(())
     }
 
@@ -244,7 +247,7 @@ impl<'a> Solution<'a> {
         self.evaluator.values.copy_from_slice(&self.samples[0]);
         let near = self.evaluator.evaluate(self.time, &self.states);
         let solved = near.or_else(|_| self.evaluator.begin(self.time, &self.states));
-        solved.map_err(|unsolved| no_solution(unsolved, self.time))?;
+        solved.map_err(|unsolved| self.unsolved(unsolved, self.time))?;
         self.samples[0].copy_from_slice(&self.evaluator.values);
         self.rates[0].copy_from_slice(self.evaluator.rates());
         self.extremes.include(&self.samples[0]);
@@ -254,7 +257,7 @@ impl<'a> Solution<'a> {
     /// Why the shortest step to this time is not accepted.
     fn reason(&self, outcome: Result<f64, Unsolved>, end: f64) -> Fault {
         if let Err(unsolved) = outcome {
-            return no_solution(unsolved, end);
+            return self.unsolved(unsolved, end);
         }
         let (network, values) = (self.evaluator.network, &self.evaluator.values);
         if let Err(fault) = self.watch.check(network, &self.extremes, values, end) {
@@ -267,9 +270,10 @@ impl<'a> Solution<'a> {
         let node = worst.map_or(0, |index| network.integrals[index].node);
         self.watch.unbounded(&self.extremes, values, node, end)
     }
-}
 
-/// The fault of a loop without a solution at a time.
-pub(super) fn no_solution(Unsolved(node): Unsolved, time: f64) -> Fault {
-    Fault::node(FaultKind::Unsolved, node, time)
+    /// The fault of a loop without a solution at the last evaluation, at this time.
+    fn unsolved(&self, unsolved: Unsolved, time: f64) -> Fault {
+        let values = &self.evaluator.values;
+        self.watch.unsolved(self.evaluator.network, &self.extremes, values, unsolved, time)
+    }
 }

@@ -10,10 +10,9 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Problem;
 
 use super::drives::Drives;
-use super::evaluator::Evaluator;
+use super::evaluator::{Evaluator, Unsolved};
 use super::fault::{Fault, FaultKind};
 use super::network::Network;
-use super::solution::no_solution;
 use super::stated::Stated;
 use super::tables_in_si;
 use super::times::RunTimes;
@@ -72,7 +71,8 @@ fn solved(
     let drives = Drives::new(&network.drives, circuit, &program, RunTimes::of(circuit)?)?;
     let mut evaluator = Evaluator::new(&network, drives, &Stated::in_units(plan, problem, circuit));
     let states: Vec<f64> = network.integrals.iter().map(|integral| integral.initial).collect();
-    evaluator.approach(0.0, &states).map_err(|unsolved| no_solution(unsolved, 0.0))?;
+    let unsolved = |Unsolved(node)| Fault::node(FaultKind::Unsolved, node, 0.0);
+    evaluator.approach(0.0, &states).map_err(unsolved)?;
     let values = evaluator.values[..network.node_count()].to_vec();
     let slopes = evaluator.slopes().into_iter().map(|(node, slope)| (NodeId(node as u32), slope));
     Ok(StartValues { values, slopes: slopes.collect() })

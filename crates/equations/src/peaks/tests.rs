@@ -2,6 +2,7 @@
 
 mod faults;
 mod functions;
+mod growth;
 mod loops;
 mod motions;
 mod parts;

@@ -1,15 +1,20 @@
-//! Values that the machine could not have: divisors that pass 0, roots of negative numbers, and states without bounds.
+//! Values that the machine could not have: divisors that pass 0, roots and logarithms of negative numbers, and states
+//! without bounds.
+//!
+//! A finite peak can be scaled, however fast a value grows before it. So a value only counts as unbounded if it exceeds
+//! every sensible unit, or if no step is short enough for its growth.
 
+use patchcord_expr::Function;
+
+use super::evaluator::Unsolved;
 use super::extremes::Extremes;
 use super::fault::{Fault, FaultKind};
 use super::law::{Law, Weighted, size, total};
 use super::network::Network;
 use super::order::Block;
 
-/// Growth of a state from its size at the start at which the solution counts as unbounded.
-const MAX_GROWTH: f64 = 1e12;
-/// Share of the run in which the size at the start is measured.
-const START_SHARE: f64 = 0.1;
+/// Magnitude of a state, in SI units, above which it counts as unbounded.
+pub(super) const MAX_MAGNITUDE: f64 = 1e60;
 /// Magnitude of a negative argument of a root that counts as an error of the solution, as a share of the square of the
 /// largest root so far.
 const ROOT_ERROR: f64 = 1e-6;
@@ -26,16 +31,11 @@ pub(super) struct Watch {
     divisors: Vec<(usize, f64)>,
     /// The nodes in order of evaluation.
     order: Vec<usize>,
-    /// The size of each state at the start: its magnitude, or how far its rate would take it in the run.
-    sizes: Vec<f64>,
-    /// The end of the start, in problem seconds.
-    start: f64,
 }
 
 impl Watch {
-    /// The conditions of a run of this duration, from the values at its first instant. `maxima` has the magnitude that
-    /// is expected of each node, or 0.
-    pub(super) fn new(network: &Network, values: &[f64], duration: f64, maxima: &[f64]) -> Self {
+    /// The conditions of a run, from the values at its first instant.
+    pub(super) fn new(network: &Network, values: &[f64]) -> Self {
         let mut divisors: Vec<(usize, f64)> = Vec::new();
         for law in &network.laws {
             if let Law::Quotient { divisor, .. } = law
@@ -48,20 +48,7 @@ impl Watch {
             Block::Node(node) => vec![*node],
             Block::Loop(entry) => entry.members.iter().map(|(node, _)| *node).collect(),
         });
-        let sizes = network.integrals.iter().map(|integral| {
-            let by_rate = duration * size(&integral.rate, values);
-            integral.initial.abs().max(by_rate).max(maxima[integral.node])
-        });
-        Watch { divisors, order: order.collect(), sizes: sizes.collect(), start: START_SHARE * duration }
-    }
-
-    /// Measures the size of the states in the first part of the run.
-    pub(super) fn measure(&mut self, time: f64, states: &[f64]) {
-        if time <= self.start {
-            for (size, state) in self.sizes.iter_mut().zip(states) {
-                *size = size.max(state.abs());
-            }
-        }
+        Watch { divisors, order: order.collect() }
     }
 
     /// Checks the values of an instant.
@@ -81,24 +68,74 @@ impl Watch {
         if let Some((divisor, _)) = self.divisors.iter().find(passes) {
             return Err(Fault::node(FaultKind::Divisor, *divisor, time));
         }
+        if let Some(fault) = self.not_finite(network, extremes, values, &self.order, time) {
+            return Err(fault);
+        }
         for node in &self.order {
-            let (law, is_finite) = (&network.laws[*node], values[*node].is_finite());
-            match law {
-                Law::Root(sum) if is_negative(sum, values, extremes.peak(*node)) => {
-                    return Err(Fault::node(FaultKind::NegativeRoot, *node, time));
-                }
-                Law::Given if !is_finite => return Err(self.unbounded(extremes, values, *node, time)),
-                _ if !is_finite => return Err(Fault::node(FaultKind::NotFinite, *node, time)),
-                _ => {}
+            if let Law::Root(sum) = &network.laws[*node]
+                && is_negative(sum, values, extremes.peak(*node))
+            {
+                return Err(Fault::node(FaultKind::NegativeRoot, *node, time));
             }
         }
-        let is_too_large =
-            |(node, size): &(usize, f64)| *size > 0.0 && values[*node].abs() > MAX_GROWTH * size;
-        let nodes = network.integrals.iter().map(|integral| integral.node);
-        match nodes.zip(self.sizes.iter().copied()).find(is_too_large) {
-            Some((node, _)) => Err(self.unbounded(extremes, values, node, time)),
+        let mut states = network.integrals.iter().map(|integral| integral.node);
+        match states.find(|node| values[*node].abs() > MAX_MAGNITUDE) {
+            Some(node) => Err(Fault::node(FaultKind::TooLarge, node, time)),
             None => Ok(()),
         }
+    }
+
+    /// The fault of a loop without a solution: that of a value before the loop if one is not finite.
+    pub(super) fn unsolved(
+        &self,
+        network: &Network,
+        extremes: &Extremes,
+        values: &[f64],
+        Unsolved(node): Unsolved,
+        time: f64,
+    ) -> Fault {
+        let is_member = |other: &usize| {
+            network.blocks.iter().any(|block| match block {
+                Block::Node(_) => false,
+                Block::Loop(entry) => {
+                    entry.tears.contains(&node) && entry.members.iter().any(|(member, _)| member == other)
+                }
+            })
+        };
+        let end = self.order.iter().position(is_member).unwrap_or(0);
+        let before = self.not_finite(network, extremes, values, &self.order[..end], time);
+        before.unwrap_or(Fault::node(FaultKind::Unsolved, node, time))
+    }
+
+    /// The fault of values that are not finite: that of the first node, in order of evaluation, whose inputs are finite.
+    /// `None` if all values of these nodes are finite.
+    fn not_finite(
+        &self,
+        network: &Network,
+        extremes: &Extremes,
+        values: &[f64],
+        nodes: &[usize],
+        time: f64,
+    ) -> Option<Fault> {
+        let is_finite = |node: usize| values[node].is_finite();
+        let first = *nodes.iter().find(|node| !is_finite(**node))?;
+        let is_cause = |node: &&usize| {
+            let law = &network.laws[**node];
+            !is_finite(**node) && !matches!(law, Law::Given) && law.inputs().into_iter().all(is_finite)
+        };
+        let Some(cause) = nodes.iter().find(is_cause).copied() else {
+            return Some(self.unbounded(extremes, values, first, time));
+        };
+        let (kind, node) = match &network.laws[cause] {
+            Law::Function(Function::Ln, argument) if argument.value(values) == 0.0 => {
+                (FaultKind::LogarithmOf0, cause)
+            }
+            Law::Function(Function::Ln, _) => (FaultKind::NegativeLogarithm, cause),
+            Law::Quotient { divisor, .. } if values[*divisor] == 0.0 => (FaultKind::Divisor, *divisor),
+            _ if values[cause].is_infinite() => return Some(self.unbounded(extremes, values, cause, time)),
+            _ => (FaultKind::NotFinite, cause),
+        };
+        Some(Fault::node(kind, node, time))
     }
 
     /// The fault of a node that grows without bound. If a divisor is nearly 0, the divisor is the cause.

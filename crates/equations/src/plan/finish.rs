@@ -1,4 +1,5 @@
-//! The last steps: equal nodes are joined, implicit equations get their sign, and delays their initial values.
+//! The last steps: signs get their comparators, equal nodes are joined, implicit equations get their sign, and delays
+//! their initial values.
 
 use std::collections::BTreeMap;
 
@@ -9,6 +10,7 @@ use patchcord_expr::FormulaError;
 
 use super::builder::Entry;
 use super::constants::Constants;
+use super::signs::split_signs;
 use super::simplify::{Simplified, simplified};
 use crate::graph::{Node, NodeId, Operation, Plan, PlannedQuantity, Sum};
 use crate::peaks::{StartError, StartValues, start_values};
@@ -43,7 +45,8 @@ impl Draft<'_> {
     /// If quantities are only set equal to each other, or an implicit equation has no solution at the start.
     pub(super) fn finished(mut self) -> Result<Plan, Vec<Diagnostic>> {
         let roots: Vec<NodeId> = self.quantities.iter().map(|(_, node)| *node).collect();
-        let entries = std::mem::take(&mut self.entries);
+        let mut entries = std::mem::take(&mut self.entries);
+        split_signs(&mut entries, self.problem);
         let joined = simplified(entries, &roots).map_err(|node| vec![self.circular(node)])?;
         let angles = self.placed_angles(&joined);
         let equations = self.equations.iter();

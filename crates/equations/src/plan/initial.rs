@@ -93,7 +93,10 @@ impl InitialValues<'_> {
             return Diagnostic::at(Code::MISSING_KEY, quantity.span, message).hint(hint);
         }
         let message = format!("{name} needs an initial value");
-        let hint = format!("add \"{name}\" with its \"unit\" and \"initial\" to the quantities");
+        let unit = self.unit_of_derivative(name).unwrap_or_else(|| "1".to_owned());
+        let hint = format!(
+            "add \"{name}\": {{\"unit\": \"{unit}\", \"initial\": 0}} to the quantities, with its value at the start"
+        );
         let derivative = unknown.name();
         let first =
             laws(self.circuit).find_map(|(_, placed)| Some((placed, placed.value.range_of(&derivative)?)));
@@ -106,18 +109,27 @@ impl InitialValues<'_> {
         }
     }
 
+    /// The unit of a derivative by that of its quantity. `None` if the quantity is not declared.
+    fn unit_of_derivative(&self, name: &str) -> Option<String> {
+        let (base, order) = split_primes(name);
+        let unit = self.problem.quantities.get(base)?.unit.clone();
+        let times = if self.circuit.is_time_dimensionless() { 0 } else { order };
+        let unit = (0..times).fold(unit, |unit, _| unit.per_second());
+        Some(unit.text().to_owned()).filter(|text| !text.is_empty())
+    }
+
     /// The faults of initial values of quantities that are no states.
     fn superfluous(&self, unknowns: &Unknowns, implicit: &[&str]) -> Vec<Diagnostic> {
         let is_state =
             |name: &str| unknowns.of(name).is_some_and(|unknown| split_primes(name).1 < unknown.order);
-        let message = |name: &str| format!("{name} is no state, so it has no initial value");
+        let message = |name: &str| format!("an equation determines {name}, so it has no initial value");
         let mut findings = Vec::new();
         for (name, quantity) in &self.problem.quantities {
             if let Some(initial) = &quantity.initial
                 && !is_state(name)
                 && !implicit.contains(&name.as_str())
             {
-                let hint = format!("remove \"initial\": an equation determines {name}");
+                let hint = "remove \"initial\": only quantities whose derivative is in an equation have one";
                 findings.push(Diagnostic::at(Code::BAD_FORMULA, initial.span, message(name)).hint(hint));
             }
         }

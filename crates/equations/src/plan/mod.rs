@@ -1,9 +1,10 @@
 //! Makes the plan of a problem: the graph of the operations that compute its quantities.
 //!
 //! `unknowns` and `matching` find the equation that determines each quantity. `expressions`, `functions`, `powers`,
-//! `products` and `angles` read the equations as nodes, which `builder` collects. `finish` joins equal nodes and
-//! determines the signs of implicit equations, with the values at the start from `peaks`. `peaks` then finds the range
-//! of every node, and `synthesis` turns a plan with scales into a patch.
+//! `products` and `angles` read the equations as nodes, which `builder` collects. `signs` makes two
+//! comparators of a sign whose argument can stay at 0. `finish` joins equal nodes and determines the signs of implicit
+//! equations, with the values at the start from `peaks`. `peaks` then finds the range of every node, and `synthesis`
+//! turns a plan with scales into a patch.
 
 mod angles;
 mod builder;
@@ -17,6 +18,7 @@ mod names;
 mod planner;
 mod powers;
 mod products;
+mod signs;
 mod simplify;
 mod solution;
 mod trees;

@@ -46,6 +46,11 @@ impl Builder<'_> {
         }
     }
 
+    /// A power of a sum with a constant exponent.
+    pub(super) fn power_notation(&self, base: &Sum, exponent: &Fraction) -> Notation {
+        Notation::Power(Box::new(self.sum_notation(base)), Box::new(self.constant(exponent)))
+    }
+
     /// A sum, with a positive term in front if there is one.
     pub(super) fn sum_notation(&self, sum: &Sum) -> Notation {
         let terms = sum.terms.iter().map(|(node, coefficient)| self.term_notation(*node, coefficient));

@@ -115,7 +115,8 @@ impl Builder<'_> {
         let argument = self.factored(base);
         let logarithm = self.add(Operation::Function { kind: FunctionKind::Ln, argument });
         let argument = Term { coefficient: exponent.clone(), node: logarithm };
-        Sum::node(self.add(Operation::Function { kind: FunctionKind::Exp, argument }))
+        let power = Operation::Function { kind: FunctionKind::Exp, argument };
+        Sum::node(self.add_as(power, |builder, _| builder.power_notation(base, exponent)))
     }
 }
 

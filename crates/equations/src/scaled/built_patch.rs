@@ -3,18 +3,17 @@
 //! The reader did not write the text of a built patch. So positions in it become those of quantities in the problem, and
 //! advice about elements becomes advice about equations.
 
-use patchcord_core::document::{Code, Diagnostic, Report, Severity, Span, format_number};
-use patchcord_core::patch::{ElementEntry, Patch, Problem};
+use patchcord_core::document::{Diagnostic, Report, Severity, Span, format_number};
+use patchcord_core::patch::{ElementEntry, Patch};
 use patchcord_core::solve::RunError;
 
+use super::attempt::Basis;
 use super::error::ScaleError;
 use crate::findings::codes;
-use crate::graph::{Node, NodeId, Operation, Plan};
+use crate::graph::{Node, NodeId, Operation};
 use crate::positions::{quantity_span, run_length_span};
+use crate::synthesis::Synthesis;
 
-/// What to do if the machine has too few parts.
-const FEWER_PARTS: &str = "the patch is made from all equations: leave one out, write it with fewer functions and products, \
-                           or scale for the machine \"unlimited\"";
 /// What to do about a jump that acts on itself without end.
 const GRADUAL_SWITCH: &str = "replace the jump by a steep line: limit(x / w, -1, 1) in place of sign(x), or \
                               limit(x / w, 0, 1) in place of step(x), with a small parameter w in the unit of x";
@@ -25,17 +24,20 @@ const OTHER_RUN: &str = "check the equations, the initial values and the times o
 
 /// A built patch, and what it is made from.
 pub(super) struct BuiltPatch<'a> {
-    /// The plan of the circuit.
-    pub plan: &'a Plan,
-    /// The problem.
-    pub problem: &'a Problem,
+    /// The problem with its plan.
+    pub basis: Basis<'a>,
     /// The elements and drives with the values of nodes.
     pub outputs: &'a [(NodeId, String)],
     /// The patch.
     pub patch: &'a Patch,
 }
 
-impl BuiltPatch<'_> {
+impl<'a> BuiltPatch<'a> {
+    /// The patch of a synthesis.
+    pub(super) fn new(basis: &Basis<'a>, synthesis: &'a Synthesis) -> Self {
+        BuiltPatch { basis: *basis, outputs: &synthesis.outputs, patch: &synthesis.patch }
+    }
+
     /// A fault of the patch as one of the problem.
     pub(super) fn fault_of_problem(&self, error: ScaleError) -> ScaleError {
         let findings = match error {
@@ -44,7 +46,7 @@ impl BuiltPatch<'_> {
             ScaleError::Settings(error) => vec![self.stopped_run(&error)],
             ScaleError::Run(stopped) => vec![self.stopped_run(&stopped.error)],
         };
-        ScaleError::of_problem(self.problem, findings)
+        ScaleError::of_problem(self.basis.problem, self.basis.circuit, findings)
     }
 
     /// The errors of a report on the patch, at positions in the problem.
@@ -56,10 +58,9 @@ impl BuiltPatch<'_> {
     /// A finding about the patch, at the position in the problem.
     pub(super) fn in_problem(&self, finding: &Diagnostic) -> Diagnostic {
         let element = finding.span.and_then(|span| self.element_at(span));
-        let first_equation = || self.problem.patch.equations.first().map(|placed| placed.span);
+        let first_equation = || self.basis.problem.patch.equations.first().map(|placed| placed.span);
         let span = element.and_then(|element| self.span_of(element)).or_else(first_equation);
-        let fewer_parts = (finding.code == Code::INVENTORY).then(|| FEWER_PARTS.to_owned());
-        Diagnostic { span, ..finding.clone() }.maybe_hint(fewer_parts)
+        Diagnostic { span, ..finding.clone() }
     }
 
     /// The element on whose line a position of the patch is.
@@ -76,7 +77,9 @@ impl BuiltPatch<'_> {
         let mut outputs = vec![output];
         let mut next = 0;
         while let Some(output) = outputs.get(next).copied() {
-            if let Some(span) = self.node(output).and_then(|node| quantity_span(self.problem, &node.name)) {
+            if let Some(span) =
+                self.node(output).and_then(|node| quantity_span(self.basis.problem, &node.name))
+            {
                 return Some(span);
             }
             let reads = |entry: &ElementEntry| entry.plugs.iter().any(|plug| plug.from.value == output);
@@ -93,13 +96,14 @@ impl BuiltPatch<'_> {
     /// The node with the value of an output. `None` if the plan has none: for pots, inverters and added nodes.
     fn node(&self, output: &str) -> Option<&Node> {
         let (id, _) = self.outputs.iter().find(|(_, name)| name == output)?;
-        self.plan.nodes.get(id.0 as usize)
+        self.basis.plan.nodes.get(id.0 as usize)
     }
 
     /// The fault of a run of the patch that stopped or could not begin.
     fn stopped_run(&self, error: &RunError) -> Diagnostic {
         let output = error.element();
-        let span = output.and_then(|output| self.span_of(output)).or_else(|| run_length_span(self.problem));
+        let span =
+            output.and_then(|output| self.span_of(output)).or_else(|| run_length_span(self.basis.problem));
         let node = output.and_then(|output| self.node(output));
         let (message, hint) = match error {
             RunError::Chatter { time, .. } => {

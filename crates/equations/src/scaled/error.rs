@@ -1,5 +1,6 @@
 //! The reasons why a problem cannot be scaled.
 
+use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Diagnostic, Report};
 use patchcord_core::patch::{Patch, Problem};
 use patchcord_core::solve::{RunError, StoppedRunError};
@@ -24,9 +25,10 @@ pub enum ScaleError {
 }
 
 impl ScaleError {
-    /// Faults of a problem, with the text of the problem.
-    pub(super) fn of_problem(problem: &Problem, findings: Vec<Diagnostic>) -> Self {
+    /// Faults of a problem, with the text of the problem and the warnings about it.
+    pub(super) fn of_problem(problem: &Problem, circuit: &Circuit, faults: Vec<Diagnostic>) -> Self {
         let patch: &Patch = &problem.patch;
+        let findings = faults.into_iter().chain(circuit.warnings().findings).collect();
         ScaleError::Problem(Box::new(Report::new(patch.file(), patch.text(), findings)))
     }
 }

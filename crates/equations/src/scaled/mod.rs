@@ -1,36 +1,41 @@
 //! Scales a problem: from equations to a patch whose amplifiers use their range.
 //!
-//! [`scale_problem`] plans the circuit, finds the range of every quantity, chooses scales, builds the patch and runs it.
-//! If an amplifier then peaks below 50 V or above 95 V, the scales change and the patch is built again. At the end, the
-//! ranges of the parameters are narrowed to those in which all settings are valid.
+//! [`scale_problem`] plans the circuit and finds the range of every quantity. `attempt` chooses scales, builds the patch
+//! and runs it, and `measured` reads the voltages. If an amplifier peaks below 50 V or above 95 V, the scales change and
+//! the patch is built again. The last patch runs with its own settings; if `run_step` finds that the step is too long, all
+//! is repeated with a shorter one. `overload` has the faults of amplifiers that overload with every scale, and `maxima`
+//! those of stated maxima. `built_patch` turns faults of the patch into faults of the problem. `table` and
+//! `scaled_equation` explain the scales. At the end, `narrowing` narrows the ranges of the parameters to those in which all
+//! settings are valid, and `inventory` compares the parts with those of the machine.
 
+mod attempt;
 mod built_patch;
 mod error;
+mod inventory;
+mod maxima;
 mod measured;
 mod narrowing;
+mod overload;
+mod products;
+mod run_step;
 mod scaled_equation;
 mod table;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::document::Diagnostic;
-use patchcord_core::machines::REFERENCE;
+use patchcord_core::document::{Diagnostic, Report};
 use patchcord_core::patch::{Patch, Problem};
 
-use crate::findings::codes;
 use crate::peaks::ranges;
 use crate::plan::plan;
+use crate::synthesis::GainStep;
 pub use crate::synthesis::ScaleOptions;
-use crate::synthesis::{GainStep, choose_scales, improved_scales, synthesise};
+use attempt::{Basis, Last, last_attempt};
 use built_patch::BuiltPatch;
 pub use error::ScaleError;
-use measured::measured_peaks;
+use maxima::checked_maxima;
 pub use narrowing::NarrowedRange;
 use narrowing::with_narrowed_ranges;
-use table::Tables;
 pub use table::{OutputPeak, ScaledQuantity};
-
-/// The largest number of runs of the patch.
-const MAX_RUNS: usize = 8;
 
 /// A problem as a scaled patch, with the tables that explain it.
 #[derive(Debug, Clone)]
@@ -46,94 +51,66 @@ pub struct ScaledProblem {
     pub steps: Vec<String>,
     /// Machine seconds per problem second.
     pub time_scale: f64,
-    /// The number of runs that the scaling took.
+    /// The number of runs that the scaling took with the step of the patch.
     pub runs: usize,
     /// The parameters whose ranges are narrower in the patch than in the problem, in the order of the patch. Outside of
     /// them a pot would be above 1 or negative, for example.
     pub narrowed_ranges: Vec<NarrowedRange>,
-    /// The warnings about the patch, at the quantities of the problem.
-    pub warnings: Vec<Diagnostic>,
+    /// The warnings about the problem, about what the patch has otherwise than the problem states, and about the patch: all
+    /// at positions in the problem.
+    pub warnings: Report,
 }
 
 /// Turns a problem into a patch with scales, gains and pots.
 ///
-/// The patch is run, and its scales change until the peaks are between 50 and 95 V. Scales that the problem states are
-/// kept. The scales hold for the present values of the parameters, so the ranges in the patch can be narrower than in
-/// the problem.
+/// The patch is run, and its scales change until the peaks are between 50 and 95 V. Scales that the problem prescribes
+/// are kept. The scales hold for the present values of the parameters, so the ranges in the patch can be narrower than in
+/// the problem. A patch for a machine with too few parts has a warning.
 ///
 /// # Errors
-/// If the problem has a fault, if the machine has no circuit for one of its equations, if an amplifier overloads whatever
-/// its scale, or if the patch cannot be run.
+/// If the problem has a fault, if the machine has no circuit for one of its equations, if an amplifier overloads with
+/// every scale, or with the scale that the problem prescribes, or if the patch cannot be run.
 pub fn scale_problem(problem: &Problem, options: &ScaleOptions) -> Result<ScaledProblem, ScaleError> {
     let circuit = Circuit::new(&problem.patch).map_err(ScaleError::Problem)?;
-    let in_problem = |findings| ScaleError::of_problem(problem, findings);
+    let in_problem = |faults| ScaleError::of_problem(problem, &circuit, faults);
+    let refuse = |faults: Vec<Diagnostic>| if faults.is_empty() { Ok(()) } else { Err(in_problem(faults)) };
     let plan = plan(problem, &circuit).map_err(in_problem)?;
-    let ranges = ranges(&plan, problem, &circuit).map_err(|finding| in_problem(vec![finding]))?;
-    let mut scales = choose_scales(&plan, problem, &circuit, &ranges, options);
-    let mut runs = 0;
-    loop {
-        let synthesis =
-            synthesise(&plan, problem, &circuit, &ranges, &scales, options).map_err(in_problem)?;
-        let names: Vec<&str> = synthesis.outputs.iter().map(|(_, name)| name.as_str()).collect();
-        let built = BuiltPatch { plan: &plan, problem, outputs: &synthesis.outputs, patch: &synthesis.patch };
-        let volts =
-            measured_peaks(&synthesis.patch, &names).map_err(|error| built.fault_of_problem(error))?;
-        runs += 1;
-        let by_node: Vec<_> =
-            synthesis.outputs.iter().map(|(id, _)| *id).zip(volts.iter().copied()).collect();
-        let better = improved_scales(&plan, problem, &circuit, &ranges, options, &scales, &by_node);
-        if better == scales || runs == MAX_RUNS {
-            let tables = Tables {
-                plan: &plan,
-                problem,
-                circuit: &circuit,
-                scales: &scales,
-                synthesis: &synthesis,
-                volts: &volts,
-            };
-            let overloads = overloads(&tables, &built);
-            return if overloads.is_empty() {
-                scaled_problem(&tables, &built, runs)
-            } else {
-                Err(in_problem(overloads))
-            };
-        }
-        scales = better;
-    }
+    let ranges = ranges(&plan, problem, &circuit).map_err(|fault| in_problem(vec![fault]))?;
+    refuse(overload::prescribed_faults(&plan, problem, &ranges))?;
+    let about_maxima = checked_maxima(&plan, problem, &ranges, options).map_err(in_problem)?;
+    let basis = Basis { plan: &plan, problem, circuit: &circuit, ranges: &ranges, options };
+    let last = last_attempt(&basis)?;
+    let built = BuiltPatch::new(&basis, &last.attempt.synthesis);
+    refuse(overload::faults(&last.attempt, &built))?;
+    scaled_problem(&built, &last, about_maxima)
 }
 
-/// A fault for each output that exceeds the reference voltage, whatever its scale.
-fn overloads(tables: &Tables<'_>, built: &BuiltPatch<'_>) -> Vec<Diagnostic> {
-    let over = tables.peaks().into_iter().filter(|peak| peak.volts > REFERENCE);
-    let fault = |OutputPeak { output, quantity, volts, .. }: OutputPeak| {
-        let message = format!("{quantity} has no scale: {output} would need {volts:.0} V");
-        let hint =
-            format!("write the equation of {quantity} in another form, or give {quantity} a \"maximum\"");
-        let span = built.span_of(&output);
-        Diagnostic { code: codes::NO_CIRCUIT, span, message, hint: Some(hint) }
-    };
-    over.map(fault).collect()
-}
-
-/// The result of the last run.
+/// The result of the last attempt, whose patch is `built`.
 ///
 /// # Errors
 /// If the patch cannot be wired.
 fn scaled_problem(
-    tables: &Tables<'_>,
     built: &BuiltPatch<'_>,
-    runs: usize,
+    last: &Last,
+    about_maxima: Vec<Diagnostic>,
 ) -> Result<ScaledProblem, ScaleError> {
+    let (basis, attempt) = (&built.basis, &last.attempt);
     let narrowed = with_narrowed_ranges(built.patch).map_err(|error| built.fault_of_problem(error));
     let (patch, narrowed_ranges) = narrowed?;
-    let fault = |report| built.fault_of_problem(ScaleError::Circuit(report));
-    let found = Circuit::new(&patch).map_err(fault)?.warnings();
-    let written =
-        BuiltPatch { plan: built.plan, problem: built.problem, outputs: built.outputs, patch: &patch };
-    let warnings = found.findings.iter().map(|finding| written.in_problem(finding)).collect();
-    let steps = tables.synthesis.steps.iter().map(GainStep::text).collect();
-    let (quantities, peaks, time_scale) = (tables.quantities(), tables.peaks(), tables.scales.time_scale);
-    Ok(ScaledProblem { patch, quantities, peaks, steps, time_scale, runs, narrowed_ranges, warnings })
+    let about_problem = basis.circuit.warnings().findings.into_iter();
+    let about_patch = inventory::warnings(&BuiltPatch { patch: &patch, ..*built })?;
+    let findings = about_problem.chain(about_maxima).chain(last.step_warning.clone()).chain(about_patch);
+    let source = &basis.problem.patch;
+    Ok(ScaledProblem {
+        quantities: table::quantities(basis, attempt),
+        peaks: table::peaks(attempt),
+        steps: attempt.synthesis.steps.iter().map(GainStep::text).collect(),
+        time_scale: attempt.scales.time_scale,
+        runs: last.runs,
+        narrowed_ranges,
+        warnings: Report::new(source.file(), source.text(), findings.collect()),
+        patch,
+    })
 }
 
 #[cfg(test)]

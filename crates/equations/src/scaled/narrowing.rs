@@ -13,6 +13,7 @@ use patchcord_expr::{format_significant, round_significant};
 use serde::Serialize;
 
 use super::error::ScaleError;
+use super::inventory::unlimited_circuit;
 use crate::synthesis::with_ranges;
 
 /// Number of halvings with which the end of a range is found.
@@ -62,7 +63,7 @@ impl NarrowedRange {
 /// # Errors
 /// If the patch cannot be wired.
 pub(super) fn with_narrowed_ranges(patch: &Patch) -> Result<(Patch, Vec<NarrowedRange>), ScaleError> {
-    let circuit = Circuit::new(patch).map_err(ScaleError::Circuit)?;
+    let circuit = unlimited_circuit(patch)?;
     let mut changes = Vec::new();
     for ((name, parameter), range) in patch.parameters.iter().zip(valid_ranges(&circuit)) {
         if let (Some(before), Some(after)) = (parameter.range, range)

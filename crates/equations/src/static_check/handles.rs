@@ -1,10 +1,10 @@
 //! The quantities by which a reader knows the states: signals, or derivatives of signals, that are a constant times the
 //! output of an integrator or a lag, apart from drives.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::Program;
+use patchcord_core::ir::{MAX_DERIVATIVE, Program};
 use patchcord_expr::split_primes;
 
 use crate::compare::names_time;
@@ -29,10 +29,23 @@ impl Handle {
 }
 
 /// For every state, in the order of the program, the quantities that determine it. Those that the equations name come
-/// first.
+/// first. The rates of these quantities have values too, so they have fewer derivatives than [`MAX_DERIVATIVE`].
 pub(super) fn handles(circuit: &Circuit, program: &Program) -> Vec<Vec<Handle>> {
     let system = system(circuit, program);
-    states(&system).map(|state| of_state(circuit, &system, state)).collect()
+    let stated = stated_names(circuit);
+    let states = states(&system);
+    let mut others = proportional(&system, &states);
+    let of_state = |state: &Symbol| {
+        let own = system.symbols.entry(*state);
+        let direct = Handle { name: own.name.clone(), order: usize::from(own.primes) };
+        let mut found = vec![direct];
+        found.extend(others.remove(state).unwrap_or_default());
+        let is_signal = |name: &str| circuit.patch().signals.contains_key(name);
+        found.retain(|handle| is_signal(&handle.name) && handle.order < MAX_DERIVATIVE);
+        found.sort_by_key(|handle| !stated.contains(handle.name.as_str()));
+        found
+    };
+    states.iter().map(of_state).collect()
 }
 
 /// For every state, in the order of the program, whether it follows the time: it is a ramp, and the equations contain
@@ -40,7 +53,7 @@ pub(super) fn handles(circuit: &Circuit, program: &Program) -> Vec<Vec<Handle>> 
 pub(super) fn timed_states(circuit: &Circuit, program: &Program) -> Vec<bool> {
     let system = system(circuit, program);
     let ramps = if names_time(circuit) { ramps(&system) } else { HashMap::new() };
-    states(&system).map(|state| ramps.contains_key(&state)).collect()
+    states(&system).iter().map(|state| ramps.contains_key(state)).collect()
 }
 
 /// The equations of a circuit in the names of the patch.
@@ -52,34 +65,48 @@ fn system(circuit: &Circuit, program: &Program) -> System {
 }
 
 /// The states. Names change in the derivation, but the laws of states stay in the order of the program.
-fn states(system: &System) -> impl Iterator<Item = Symbol> {
-    system.laws.iter().filter(|law| matches!(law.kind, LawKind::State { .. })).map(|law| law.of)
+fn states(system: &System) -> Vec<Symbol> {
+    with_kind(system, |kind| matches!(kind, LawKind::State { .. })).map(|law| law.of).collect()
 }
 
-/// The quantities that determine a state.
-fn of_state(circuit: &Circuit, system: &System, state: Symbol) -> Vec<Handle> {
-    let own = system.symbols.entry(state);
-    let direct = Handle { name: own.name.clone(), order: usize::from(own.primes) };
-    let others = system.laws.iter().filter(|law| is_proportional(system, law, state));
-    let others = others.map(|law| Handle { name: system.symbols.entry(law.of).name.clone(), order: 0 });
-    let mut found: Vec<Handle> = std::iter::once(direct).chain(others).collect();
-    found.retain(|handle| circuit.patch().signals.contains_key(&handle.name));
-    found.sort_by_key(|handle| !is_stated(circuit, &handle.name));
+/// The laws of a kind.
+fn with_kind(system: &System, is_wanted: fn(&LawKind) -> bool) -> impl Iterator<Item = &Law> {
+    system.laws.iter().filter(move |law| is_wanted(&law.kind))
+}
+
+/// The quantities that are a constant times a state, apart from drives, by this state.
+fn proportional(system: &System, states: &[Symbol]) -> BTreeMap<Symbol, Vec<Handle>> {
+    let states: BTreeSet<Symbol> = states.iter().copied().collect();
+    let drives = with_kind(system, |kind| matches!(kind, LawKind::Drive(_))).map(|law| law.of).collect();
+    let mut found: BTreeMap<Symbol, Vec<Handle>> = BTreeMap::new();
+    for law in &system.laws {
+        if let Some(state) = only_varying(law, &drives).filter(|symbol| states.contains(symbol)) {
+            let handle = Handle { name: system.symbols.entry(law.of).name.clone(), order: 0 };
+            found.entry(state).or_default().push(handle);
+        }
+    }
     found
 }
 
-/// Whether a law defines a quantity as a constant times a state, apart from drives.
-fn is_proportional(system: &System, law: &Law, state: Symbol) -> bool {
-    let LawKind::Definition(value) = &law.kind else { return false };
-    let factor = partial_derivative(value, state);
-    let rest = value.minus(&factor.times(&Fraction::symbol(state)));
-    let is_fixed =
-        |symbol: Symbol| symbol.is_constant || matches!(system.law(symbol), Some(LawKind::Drive(_)));
-    !factor.is_zero() && factor.is_constant() && !rest.contains(&mut |symbol| !is_fixed(symbol))
+/// The quantity s if a law defines another one as a constant times s, apart from drives.
+fn only_varying(law: &Law, drives: &BTreeSet<Symbol>) -> Option<Symbol> {
+    let LawKind::Definition(value) = &law.kind else { return None };
+    let mut varying = BTreeSet::new();
+    value.contains(&mut |symbol| {
+        if !symbol.is_constant && !drives.contains(&symbol) {
+            varying.insert(symbol);
+        }
+        varying.len() > 1
+    });
+    let only = varying.first().copied().filter(|_| varying.len() == 1)?;
+    let factor = partial_derivative(value, only);
+    let rest = value.minus(&factor.times(&Fraction::symbol(only)));
+    let is_linear = !factor.is_zero() && factor.is_constant() && !rest.contains(&mut |symbol| symbol == only);
+    is_linear.then_some(only)
 }
 
-/// Whether an equation of the patch names a quantity, or a derivative of it.
-pub(super) fn is_stated(circuit: &Circuit, name: &str) -> bool {
-    let mut equations = circuit.equations().iter();
-    equations.any(|placed| placed.value.names().iter().any(|other| split_primes(other).0 == name))
+/// The quantities that the equations of a patch name, themselves or with derivatives.
+pub(super) fn stated_names(circuit: &Circuit) -> BTreeSet<&str> {
+    let equations = circuit.equations().iter();
+    equations.flat_map(|placed| placed.value.names()).map(|name| split_primes(name).0).collect()
 }

@@ -4,13 +4,20 @@
 //! whose signal is among them is expected at this value, and an integrator at the derivative that the equations give.
 //! The expected value of any other output follows from the expected values at its inputs by its own law. So a wrong gain
 //! shows at the first named output, or at the first derivative, after it. That row is the place to look at.
+//!
+//! A value that depends on an overloaded amplifier is not compared: the equations do not have its limit.
 
+mod agenda;
+mod causes;
+mod expected;
 mod handles;
 mod random;
+mod row;
 mod rows;
 mod solution;
 pub(crate) mod stated;
 mod test_point;
+mod tolerances;
 mod wired;
 
 use patchcord_core::circuit::Circuit;
@@ -18,7 +25,7 @@ use patchcord_core::ir::Program;
 
 use crate::fixes::Fix;
 use handles::{Handle, handles};
-pub use rows::{RowQuantity, RowSource, StaticRow};
+pub use row::{RowQuantity, RowSource, StaticRow};
 use solution::Solution;
 pub use test_point::{TestError, TestValues, test_unit};
 use wired::Wired;
@@ -32,6 +39,8 @@ pub struct StaticCheck {
     pub rows: Vec<StaticRow>,
     /// Whether the patch states equations. Otherwise the rows have no expected values.
     pub has_equations: bool,
+    /// Whether the test values are random. If a row is overloaded then, no random values without an overload were found.
+    pub is_random: bool,
 }
 
 /// A test value.
@@ -51,20 +60,24 @@ impl StaticCheck {
         self.rows.iter().filter(|row| row.differs)
     }
 
-    /// The first of these rows in the order of signal flow.
+    /// The first of these rows in the order of signal flow: the place to look at. An output that only follows from its
+    /// inputs comes after the others.
     pub fn first_difference(&self) -> Option<&StaticRow> {
-        self.differences().min_by_key(|row| row.place)
+        self.differences().min_by_key(|row| (row.source == RowSource::Inputs, row.place))
     }
 
-    /// The most likely correction of the differences, as a command. `fixes` are the single changes after which the
-    /// wiring solves its equations, as from [`equation_fixes`](crate::equation_fixes). `None` if nothing differs.
+    /// The most likely correction of the first difference, as a command. `fixes` are the single changes after which the
+    /// wiring solves its equations, as from [`equation_fixes`](crate::equation_fixes), the likeliest first. Only those
+    /// count after which it solves the equation of this row, or else an equation of the quantities in it. `None` if
+    /// nothing differs.
     pub fn likely_correction(&self, fixes: &[Fix]) -> Option<String> {
-        let place = self.first_difference()?;
-        Some(match fixes.first() {
+        let row = self.first_difference()?;
+        let corrects = |equation: &usize| fixes.iter().find(|fix| fix.solves.contains(equation));
+        Some(match row.equations.iter().find_map(corrects) {
             Some(fix) => fix.description.clone(),
             None => {
-                let output = if place.order == 0 { "gains" } else { "inputs" };
-                format!("examine the {output} of {} and the wiring in front of it", place.element)
+                let output = if row.order == 0 { "gains" } else { "inputs" };
+                format!("examine the {output} of {} and the wiring in front of it", row.element)
             }
         })
     }
@@ -113,7 +126,8 @@ pub fn static_check(
     let is_initial = *values == TestValues::Initial;
     let solution = has_equations.then(|| Solution::new(&wired, &handles, is_initial));
     let rows = rows::rows(&wired, solution.as_ref());
-    Ok(StaticCheck { values: listed(&wired, &handles, values), rows, has_equations })
+    let is_random = matches!(values, TestValues::Random(_));
+    Ok(StaticCheck { values: listed(&wired, &handles, values), rows, has_equations, is_random })
 }
 
 /// The test values with their units. Of random values, those of all states and drives.

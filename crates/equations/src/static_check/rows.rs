@@ -3,81 +3,26 @@
 use patchcord_core::elements::{Family, OutputStage};
 use patchcord_core::ir::{Register, SignalInfo};
 
+use super::causes::Causes;
+use super::expected::{Determined, Expected, determined};
+use super::handles::Handle;
+use super::row::{RowQuantity, RowSource, StaticRow};
 use super::solution::{Origin, Solution};
 use super::test_point::test_unit;
+use super::tolerances::{Tolerances, in_machine_time};
 use super::wired::Wired;
 use crate::notation::primed;
-
-/// Deviation of a wired voltage from the expected one, as a share of the larger one or of the sum of the inputs, up to
-/// which they agree. Settings are often rounded to three digits.
-const TOLERANCE: f64 = 1e-3;
-/// Deviation in volts, or in volts per machine second, that is never a difference.
-const ROUNDING: f64 = 1e-6;
-/// Demanded output above which an amplifier is overloaded, in volts.
-const OVERLOAD: f64 = 100.0 * (1.0 + 1e-6);
-
-/// A row of a static check: the output of an element, or the derivative of an integrator or a lag.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StaticRow {
-    /// Name of the element.
-    pub element: String,
-    /// Its kind, such as "summer".
-    pub kind: &'static str,
-    /// Its note in the patch; empty if it has none.
-    pub note: String,
-    /// Number of derivatives: 0 for an output in volts, 1 for a derivative in volts per machine second.
-    pub order: usize,
-    /// The quantity that the row represents. `None` if there is no signal for it.
-    pub quantity: Option<RowQuantity>,
-    /// The expected value in volts, or in volts per machine second. `None` if the patch states no equations, or if a
-    /// brake, a stop or a reset holds the output.
-    pub expected: Option<f64>,
-    /// The value in the wiring, without the limit of the amplifier.
-    pub wired: f64,
-    /// Where the expected value comes from.
-    pub source: RowSource,
-    /// Whether the two values differ.
-    pub differs: bool,
-    /// Whether the output demands more than 100 V.
-    pub is_overloaded: bool,
-    /// Place in the order of signal flow. Derivatives come after all outputs.
-    pub place: usize,
-}
-
-/// The quantity of a row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RowQuantity {
-    /// Its name, such as x or x'.
-    pub name: String,
-    /// Its unit, such as mm/s. Derivatives are by problem time.
-    pub unit: String,
-    /// The expected value in this unit. `None` if there is no expected voltage.
-    pub expected: Option<f64>,
-    /// The value in the wiring in this unit.
-    pub wired: f64,
-}
-
-/// Where an expected value comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum RowSource {
-    /// It is a test value or an initial value.
-    TestValue,
-    /// The stated equations give it.
-    Equations,
-    /// The law of the element gives it from the expected values at its inputs.
-    Inputs,
-    /// There is none, because a brake, a stop or a reset holds the output.
-    Held,
-    /// There is none, because the patch states no equations.
-    NoEquations,
-}
+use crate::operating_point::OVERLOAD;
 
 /// All rows: outputs of amplifiers, other outputs, derivatives. Each part is in the order of signal flow. `wired` is the
 /// circuit at the test values. `solution` has the values of the equations there; `None` if there are no equations.
 pub(super) fn rows(wired: &Wired<'_>, solution: Option<&Solution<'_>>) -> Vec<StaticRow> {
-    let expected = solution.and_then(|solution| expected_voltages(wired, solution));
-    let table = Table { wired, solution, expected };
+    let tolerances = Tolerances::new(wired);
+    let deepest = solution.map_or(0, deepest_derivative);
+    let expected = solution.map(|solution| Expected::new(wired, solution, &tolerances));
+    let overloads = Causes::overloads(wired, deepest);
+    let limits = Causes::limits(wired, &tolerances, deepest);
+    let table = Table { wired, solution, expected, tolerances, overloads, limits };
     let elements = elements(wired);
     let outputs = elements.iter().flat_map(|(place, element)| table.outputs(*element, *place));
     let mut rows: Vec<StaticRow> = outputs.collect();
@@ -87,6 +32,13 @@ pub(super) fn rows(wired: &Wired<'_>, solution: Option<&Solution<'_>>) -> Vec<St
         rows.extend(table.other_derivatives(elements.len() + states));
     }
     rows
+}
+
+/// The largest number of derivatives of a quantity in a row.
+fn deepest_derivative(solution: &Solution<'_>) -> usize {
+    let rates = solution.handles.iter().flatten().map(|handle| handle.order + 1);
+    let stated = solution.stated_derivatives().into_iter().map(|(_, order)| order);
+    rates.chain(stated).max().unwrap_or(0)
 }
 
 /// The elements without drives and references, each after its place in the order of signal flow. Amplifiers come first.
@@ -101,70 +53,44 @@ fn elements(wired: &Wired<'_>) -> Vec<(usize, usize)> {
     elements
 }
 
-/// The voltages of all registers that follow from the equations: named outputs have their values in the equations, and
-/// the others follow from their inputs. `None` if a loop has no single solution.
-fn expected_voltages(wired: &Wired<'_>, solution: &Solution<'_>) -> Option<Vec<f64>> {
-    let (mut point, mut given) = (wired.point.clone(), wired.given.clone());
-    for (state, handle) in solution.handles.iter().enumerate() {
-        let Some(handle) = handle else { continue };
-        let stated = solution.quantity(&handle.name, handle.order);
-        if let (Some((value, Origin::Equations)), Some(own), Some(slope)) =
-            (stated, wired.quantity(&handle.name, handle.order), wired.slope(handle, state))
-        {
-            point.states[state] += (value - own) / slope;
-        }
-    }
-    for signal in wired.program.signals().iter().filter(|signal| signal.is_named) {
-        if let Some(determined) = determined(wired, solution, signal)
-            && !is_state(wired, signal.register)
-        {
-            given.entry(signal.register).or_insert(determined.volts);
-        }
-    }
-    wired.program.unlimited_voltages_at(&point, &given)
-}
-
-/// Whether a register is the output of an element with a state.
-fn is_state(wired: &Wired<'_>, register: Register) -> bool {
-    let outputs = wired.program.element_outputs();
-    wired.program.state_laws().iter().any(|state| outputs[state.element].register == register)
-}
-
-/// A signal whose value the equations determine.
-struct Determined {
-    /// Its value in SI.
-    value: f64,
-    /// The voltage that represents it.
-    volts: f64,
-}
-
-/// The value of a signal if the equations determine it. A scale of 0 represents nothing.
-fn determined(wired: &Wired<'_>, solution: &Solution<'_>, signal: &SignalInfo) -> Option<Determined> {
-    let (_, per_volt) = wired.place(&signal.name)?;
-    match solution.quantity(&signal.name, 0)? {
-        (value, Origin::Equations) if per_volt != 0.0 => Some(Determined { value, volts: value / per_volt }),
-        _ => None,
-    }
-}
-
 /// Makes rows.
 struct Table<'a> {
     wired: &'a Wired<'a>,
     solution: Option<&'a Solution<'a>>,
-    /// The expected voltages of all registers.
-    expected: Option<Vec<f64>>,
+    /// The expected voltages. `None` if there are no equations.
+    expected: Option<Expected>,
+    tolerances: Tolerances<'a>,
+    /// The overloaded amplifiers. Rows that depend on them are not compared.
+    overloads: Causes,
+    /// The elements outside their range. A difference that depends on them says nothing.
+    limits: Causes,
+}
+
+/// A derivative that the equations give.
+struct StatedRate {
+    /// Its value in volts per machine second.
+    rate: f64,
+    /// The size of the terms of its equation, in volts per machine second.
+    size: f64,
+    /// The quantity with its value.
+    quantity: Option<RowQuantity>,
+    /// The stated equations behind it.
+    equations: Vec<usize>,
 }
 
 impl Table<'_> {
     /// The rows of an element's output: one for each signal there that the equations determine, otherwise one.
     fn outputs(&self, element: usize, place: usize) -> Vec<StaticRow> {
-        let register = self.wired.program.element_outputs()[element].register;
+        let register = self.register(element);
         let signals = self.wired.program.signals().iter();
         let signals: Vec<&SignalInfo> =
             signals.filter(|signal| signal.is_named && signal.register == register).collect();
         let determined = signals.iter().filter_map(|signal| {
-            let found = determined(self.wired, self.solution?, signal)?;
-            Some(self.determined_output(element, place, signal, &found))
+            let solution = self.solution?;
+            let found = determined(self.wired, solution, signal)?;
+            let mut row = self.determined_output(element, place, signal, &found);
+            row.equations = solution.equations_behind(&signal.name, 0);
+            Some(row)
         });
         let rows: Vec<StaticRow> = determined.collect();
         if rows.is_empty() { vec![self.other_output(element, place, signals.first().copied())] } else { rows }
@@ -182,29 +108,35 @@ impl Table<'_> {
         row.expected = Some(found.volts);
         row.source = RowSource::Equations;
         row.quantity = self.quantity(&signal.name, 0, Some(found.value));
-        self.with_difference(row, self.input_size(element))
+        row.differs = !self.tolerances.output_agrees(element, found.volts, found.size);
+        self.judged(row, &[(self.register(element), 0)])
     }
 
     /// The row of another output.
     fn other_output(&self, element: usize, place: usize, signal: Option<&SignalInfo>) -> StaticRow {
         let mut row = self.row(element, place);
-        let register = self.wired.program.element_outputs()[element].register;
-        row.expected = self.expected.as_ref().map(|expected| expected[register.index()]);
+        let register = self.register(element);
+        row.expected = self.expected_volts(register);
         row.source = self.output_source(register, signal);
         row.quantity = signal.and_then(|signal| {
             let (_, per_volt) = self.wired.place(&signal.name)?;
             self.quantity(&signal.name, 0, row.expected.map(|volts| volts * per_volt))
         });
-        let inputs = if is_state(self.wired, register) { 0.0 } else { self.input_size(element) };
-        self.with_difference(row, inputs)
+        if let Some(handle) = self.handle_at(register) {
+            row.equations = self.equations_behind(handle, 0);
+        }
+        let disagrees = |expected: f64| !self.tolerances.output_agrees(element, expected, 0.0);
+        row.differs = self.inputs_differ(register) && row.expected.is_some_and(disagrees);
+        self.judged(row, &[(register, 0)])
     }
 
     /// Where the expected voltage of an output comes from whose signal the equations do not determine.
     fn output_source(&self, register: Register, signal: Option<&SignalInfo>) -> RowSource {
         let Some(solution) = self.solution else { return RowSource::NoEquations };
-        let origin = signal.and_then(|signal| solution.quantity(&signal.name, 0));
-        let is_test_value = is_state(self.wired, register) || matches!(origin, Some((_, Origin::Test)));
-        if is_test_value { RowSource::TestValue } else { RowSource::Inputs }
+        let known = signal.and_then(|signal| solution.quantity(&signal.name, 0));
+        let is_test_value = known.is_some_and(|known| known.origin == Origin::Test);
+        let is_state = self.wired.state_at(register).is_some();
+        if is_state || is_test_value { RowSource::TestValue } else { RowSource::Inputs }
     }
 
     /// The row of the derivative of a state.
@@ -214,62 +146,89 @@ impl Table<'_> {
         row.order = 1;
         row.is_overloaded = false;
         row.wired = self.machine_rate(self.wired.volts(law.demand));
-        let inputs = self.expected.as_ref().map(|expected| self.machine_rate(expected[law.demand.index()]));
         if self.solution.is_none() {
             row.source = RowSource::NoEquations;
-        } else if self.is_held(law.element) {
-            row.source = RowSource::Held;
-        } else if let Some((volts, quantity)) = self.stated_rate(state, row.wired) {
-            (row.expected, row.quantity, row.source) = (Some(volts), quantity, RowSource::Equations);
-        } else {
-            (row.expected, row.source) = (inputs, RowSource::Inputs);
+            return row;
         }
-        let inputs = self.input_size(law.element);
-        self.with_difference(row, inputs)
+        if self.is_held(law.element) {
+            row.source = RowSource::Held;
+            return row;
+        }
+        let error = self.machine_rate(self.wired.amplification_error(law.demand));
+        let inputs = self.tolerances.input_size(law.element, 1);
+        if let Some(stated) = self.stated_rate(state, row.wired) {
+            let StatedRate { rate, size, quantity, equations } = stated;
+            (row.expected, row.quantity, row.source) = (Some(rate), quantity, RowSource::Equations);
+            row.equations = equations;
+            row.differs = !Tolerances::agree([rate, row.wired], size.max(inputs), error);
+        } else {
+            row.expected = self.expected_volts(law.demand).map(|rate| self.machine_rate(rate));
+            row.source = RowSource::Inputs;
+            let disagrees = |expected: f64| !Tolerances::agree([expected, row.wired], inputs, error);
+            row.differs = self.inputs_differ(law.demand) && row.expected.is_some_and(disagrees);
+        }
+        let quantity = self.handle(state).and_then(|handle| self.quantity_place(handle, 1));
+        let dependences: Vec<_> = std::iter::once((law.demand, 0)).chain(quantity).collect();
+        self.judged(row, &dependences)
     }
 
-    /// The derivative of a state in volts per machine second that the equations give, with its quantity. `wired` is that
-    /// of the wiring.
-    fn stated_rate(&self, state: usize, wired: f64) -> Option<(f64, Option<RowQuantity>)> {
-        let solution = self.solution?;
-        let handle = solution.handles[state].as_ref()?;
+    /// The derivative of a state that the equations give. `wired` is that of the wiring in volts per machine second.
+    fn stated_rate(&self, state: usize, wired: f64) -> Option<StatedRate> {
+        let (solution, handle) = (self.solution?, self.handle(state)?);
         let order = handle.order + 1;
-        let (value, origin) = solution.quantity(&handle.name, order)?;
+        let known = solution.quantity(&handle.name, order)?;
         let own = self.wired.quantity(&handle.name, order)?;
         let slope = self.wired.slope(handle, state)?;
-        let rate = wired + self.machine_rate((value - own) / slope);
-        (origin == Origin::Equations).then(|| (rate, self.quantity(&handle.name, order, Some(value))))
+        (known.origin == Origin::Equations).then(|| StatedRate {
+            rate: wired + self.machine_rate((known.value - own) / slope),
+            size: self.machine_rate(known.size / slope.abs()),
+            quantity: self.quantity(&handle.name, order, Some(known.value)),
+            equations: self.equations_behind(handle, 1),
+        })
     }
 
     /// The derivatives in the equations that no integrator has as its rate, if they differ from those of the wiring.
     fn other_derivatives(&self, place: usize) -> Vec<StaticRow> {
         let Some(solution) = self.solution else { return Vec::new() };
         let derivatives = solution.stated_derivatives().into_iter();
-        let rows = derivatives.filter_map(|(name, order)| self.other_derivative(&name, order, place));
+        let rows = derivatives.filter_map(|(name, order)| {
+            let handle = Handle { name, order };
+            self.other_derivative(solution, &handle, place)
+        });
         rows.filter(|row| row.differs).collect()
     }
 
     /// The row of a derivative of a signal.
-    fn other_derivative(&self, name: &str, order: usize, place: usize) -> Option<StaticRow> {
+    fn other_derivative(
+        &self,
+        solution: &Solution<'_>,
+        derivative: &Handle,
+        place: usize,
+    ) -> Option<StaticRow> {
+        let Handle { name, order } = derivative;
         let (register, per_volt) = self.wired.place(name).filter(|(_, per_volt)| *per_volt != 0.0)?;
-        let outputs = self.wired.program.element_outputs();
-        let element = outputs.iter().position(|output| output.register == register)?;
-        let (value, _) = self.solution?.quantity(name, order)?;
-        let own = self.wired.quantity(name, order).filter(|own| own.is_finite())?;
-        let in_volts = |value: f64| (0..order).fold(value / per_volt, |volts, _| self.machine_rate(volts));
+        let element = self.wired.element_at(register)?;
+        let known = solution.quantity(name, *order)?;
+        let own = self.wired.quantity(name, *order).filter(|own| own.is_finite())?;
+        let in_volts = |value: f64| in_machine_time(value / per_volt, *order, self.wired);
         let mut row = self.row(element, place);
-        (row.order, row.is_overloaded) = (order, false);
-        (row.wired, row.expected, row.source) = (in_volts(own), Some(in_volts(value)), RowSource::Equations);
-        row.quantity = self.quantity(name, order, Some(value));
-        let fastest = self.machine_rate(self.wired.fastest_rate());
-        Some(self.with_difference(row, fastest.powi(order as i32)))
+        (row.order, row.is_overloaded) = (*order, false);
+        let expected = in_volts(known.value);
+        (row.wired, row.expected, row.source) = (in_volts(own), Some(expected), RowSource::Equations);
+        row.quantity = self.quantity(name, *order, Some(known.value));
+        row.equations = self.equations_behind(derivative, 0);
+        let size = in_volts(known.size).abs().max(self.tolerances.input_size(element, *order));
+        // The error of the output is known. That of its derivative has about the same share in it.
+        let share = self.wired.amplification_error(register) / self.wired.volts(register).abs();
+        let error = if share > 0.0 { share * size } else { 0.0 };
+        row.differs = !Tolerances::agree([expected, row.wired], size, error);
+        Some(self.judged(row, &[(register, *order)]))
     }
 
     /// A row with the voltages of the wiring, and nothing else yet.
     fn row(&self, element: usize, place: usize) -> StaticRow {
         let entry = self.wired.circuit.element(element);
         let elements = &self.wired.circuit.patch().elements;
-        let register = self.wired.program.element_outputs()[element].register;
         StaticRow {
             element: entry.name.clone(),
             kind: entry.kind.name,
@@ -277,12 +236,29 @@ impl Table<'_> {
             order: 0,
             quantity: None,
             expected: None,
-            wired: self.wired.volts(register),
+            wired: self.wired.volts(self.register(element)),
             source: RowSource::NoEquations,
             differs: false,
+            not_compared: None,
+            equations: Vec::new(),
             is_overloaded: self.is_overloaded(element),
             place,
         }
+    }
+
+    /// The row, without a difference if it cannot be compared. `dependences` are the registers on which it depends, each
+    /// with a number of derivatives.
+    fn judged(&self, mut row: StaticRow, dependences: &[(Register, usize)]) -> StaticRow {
+        let behind = |causes: &Causes| {
+            let mut clauses = dependences.iter().filter_map(|(at, order)| causes.behind(*at, *order));
+            clauses.next().map(str::to_owned)
+        };
+        if row.expected.is_some() {
+            let limit = if row.differs { behind(&self.limits) } else { None };
+            row.not_compared = behind(&self.overloads).or(limit);
+        }
+        row.differs &= row.not_compared.is_none();
+        row
     }
 
     /// The quantity of a row with its unit. `expected` is in SI.
@@ -294,31 +270,49 @@ impl Table<'_> {
         Some(RowQuantity { name: name_with_primes, unit: unit.text().to_owned(), expected, wired })
     }
 
-    /// The row, marked if its values differ. `inputs` is the size of what the element adds up: a small sum of large
-    /// inputs has few digits.
-    fn with_difference(&self, mut row: StaticRow, inputs: f64) -> StaticRow {
-        let size = row.expected.unwrap_or_default().abs().max(row.wired.abs()).max(inputs);
-        let differs = |expected: f64| {
-            let is_near = (expected - row.wired).abs() <= TOLERANCE * size + ROUNDING;
-            !is_near
-        };
-        row.differs = row.expected.is_some_and(differs);
-        row
+    /// The output of an element.
+    fn register(&self, element: usize) -> Register {
+        self.wired.program.element_outputs()[element].register
+    }
+
+    /// The quantity by which the equations know a state.
+    fn handle(&self, state: usize) -> Option<&Handle> {
+        self.solution?.handles[state].as_ref()
+    }
+
+    /// The quantity by which the equations know the state at an output.
+    fn handle_at(&self, register: Register) -> Option<&Handle> {
+        self.handle(self.wired.state_at(register)?)
+    }
+
+    /// The register of a quantity with further derivatives, and the number of its derivatives.
+    fn quantity_place(&self, handle: &Handle, further: usize) -> Option<(Register, usize)> {
+        let (register, _) = self.wired.place(&handle.name)?;
+        Some((register, handle.order + further))
+    }
+
+    /// The stated equations behind a quantity with further derivatives.
+    fn equations_behind(&self, handle: &Handle, further: usize) -> Vec<usize> {
+        let solution = self.solution;
+        solution
+            .map(|solution| solution.equations_behind(&handle.name, handle.order + further))
+            .unwrap_or_default()
+    }
+
+    /// The expected voltage of a register.
+    fn expected_volts(&self, register: Register) -> Option<f64> {
+        let voltages = self.expected.as_ref()?.voltages.as_ref()?;
+        Some(voltages[register.index()])
+    }
+
+    /// Whether an output in front of a register differs from the equations.
+    fn inputs_differ(&self, register: Register) -> bool {
+        self.expected.as_ref().is_some_and(|expected| expected.differs(register))
     }
 
     /// A rate in volts per machine second, from one in volts per problem second.
     fn machine_rate(&self, rate: f64) -> f64 {
-        rate / self.wired.program.time_scale()
-    }
-
-    /// The sum of the sizes of an element's inputs, each times its gain, in volts. 0 if its jacks have no gains.
-    fn input_size(&self, element: usize) -> f64 {
-        if !self.wired.circuit.element(element).kind.has_gains() {
-            return 0.0;
-        }
-        let outputs = self.wired.program.element_outputs();
-        let cords = self.wired.circuit.cords(element).into_iter().filter(|(_, cord)| cord.input == 0);
-        cords.map(|(from, cord)| (cord.gain * self.wired.volts(outputs[from].register)).abs()).sum()
+        in_machine_time(rate, 1, self.wired)
     }
 
     /// Whether an element demands more than 100 V: by its lamp, or by its state.

@@ -18,8 +18,8 @@ pub(crate) struct Stated<'a> {
     /// The equations between quantities, each as an expression that is 0, with its index among those of the patch.
     /// Equations that apply a table are left out.
     pub residuals: Vec<(usize, Fraction)>,
-    /// The stated initial values.
-    pub initial: Vec<(Symbol, Fraction)>,
+    /// The stated initial values, each after the index of its equation among those of the patch.
+    pub initial: Vec<(usize, Symbol, Fraction)>,
 }
 
 impl<'a> Stated<'a> {
@@ -33,7 +33,7 @@ impl<'a> Stated<'a> {
                 let value = stated.fraction(equation.right());
                 let (base, order) = split_primes(quantity);
                 let symbol = stated.symbol(base, order);
-                stated.initial.extend(value.map(|value| (symbol, value)));
+                stated.initial.extend(value.map(|value| (index, symbol, value)));
             } else if let Some(residual) = stated.residual(equation) {
                 stated.residuals.push((index, residual));
             }

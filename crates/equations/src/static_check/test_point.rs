@@ -23,8 +23,10 @@ pub enum TestValues {
     /// Values in SI by name: of signals, of their derivatives, of integrators and lags in volts, and of drives. All others
     /// are as in the initial condition.
     Given(Vec<(String, f64)>),
-    /// Random values of all integrators, lags and drives, by a seed. They are scaled down until no amplifier exceeds
-    /// 80 V. If the equations contain the time, drives and ramps keep their values at t = 0.
+    /// Random values of all integrators, lags and drives, by a seed. They are scaled down, toward 0 and then toward the
+    /// initial condition, until no amplifier exceeds 80 V, or at least none is overloaded. If all sets of values within
+    /// 0.1 V of both still overload an amplifier, [`StaticRow::is_overloaded`](crate::StaticRow) marks it.
+    /// If the equations contain the time, drives and ramps keep their values at t = 0.
     Random(u64),
 }
 
@@ -131,7 +133,7 @@ enum Target {
 /// If it cannot be set to the initial condition.
 pub(super) fn initial<'a>(circuit: &'a Circuit, program: &'a Program) -> Result<Wired<'a>, TestError> {
     let point = initial_point(program).map_err(no_voltages)?;
-    wired_at(circuit, program, point, BTreeMap::new())
+    Wired::new(circuit, program, point, BTreeMap::new()).ok_or_else(no_solution)
 }
 
 /// The machine at given values.
@@ -162,9 +164,8 @@ pub(super) fn given<'a>(
     for (name, value, target) in targets {
         wired = with_value(wired, name, value, &target)?;
     }
-    let Wired { point, given, .. } = wired;
-    let settled = settled_point(program, &point.states).map_err(no_voltages)?;
-    wired_at(circuit, program, settled, given)
+    let settled = settled_point(program, &wired.point.states).map_err(no_voltages)?;
+    moved_to(&wired, settled, wired.given.clone())
 }
 
 /// Whether two targets are the same output.
@@ -257,21 +258,24 @@ fn with_value<'a>(wired: Wired<'a>, name: &str, value: f64, target: &Target) -> 
             point.states[*index] += (value - present) / slope;
         }
     }
-    wired_at(wired.circuit, wired.program, point, given)
+    moved_to(&wired, point, given)
 }
 
-/// A circuit at a point.
+/// A circuit at another point.
 ///
 /// # Errors
 /// If a loop without an integrator has no single solution there.
-pub(super) fn wired_at<'a>(
-    circuit: &'a Circuit,
-    program: &'a Program,
+fn moved_to<'a>(
+    wired: &Wired<'a>,
     point: ProgramPoint,
     given: BTreeMap<Register, f64>,
 ) -> Result<Wired<'a>, TestError> {
-    let reason = "a loop without an integrator does not have exactly one solution";
-    Wired::new(circuit, program, point, given).ok_or_else(|| TestError::NoVoltages(reason.to_owned()))
+    wired.at(point, given).ok_or_else(no_solution)
+}
+
+/// The error if a loop has no single solution.
+fn no_solution() -> TestError {
+    TestError::NoVoltages("a loop without an integrator does not have exactly one solution".to_owned())
 }
 
 /// The error of a machine.

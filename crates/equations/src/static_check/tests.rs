@@ -1,3 +1,5 @@
+mod accuracy;
+
 use super::*;
 use patchcord_core::patch::Patch;
 use serde_json::{Value, json};
@@ -63,7 +65,7 @@ fn differences(check: &StaticCheck) -> Vec<(&str, usize)> {
 }
 
 fn assert_near(found: f64, expected: f64) {
-    assert!((found - expected).abs() < 1e-5 * expected.abs().max(1.0), "{found} is not {expected}");
+    assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found} is not {expected}");
 }
 
 #[test]
@@ -139,9 +141,26 @@ fn a_wrong_gain_inside_shows_at_the_next_named_output() {
     let wrong = check(&wrong, &moving()).unwrap();
     assert_eq!(differences(&wrong), [("B2", 0)]);
     assert_near(row(&wrong, "B2", 0).wired, -0.9);
-    let fix = Fix { description: "set P3 to 1".to_owned(), edits: Vec::new(), solves: vec![2] };
-    assert_eq!(wrong.likely_correction(&[fix]).as_deref(), Some("set P3 to 1"));
+    let fix = |description: &str, solves| Fix {
+        description: description.to_owned(),
+        edits: Vec::new(),
+        solves: vec![solves],
+    };
+    // The correction of another equation is none of this row.
+    let other = fix("plug P1 into x1 of A1", 0);
+    let fixes = [other.clone(), fix("set P3 to 1", 2)];
+    assert_eq!(wrong.likely_correction(&fixes).as_deref(), Some("set P3 to 1"));
+    assert!(wrong.likely_correction(&[other]).unwrap().contains("B2"));
     assert!(wrong.likely_correction(&[]).unwrap().contains("B2"));
+}
+
+#[test]
+fn a_row_has_the_equations_behind_it_with_its_own_first() {
+    let check = check(&spring(), &moving()).unwrap();
+    // v' follows from v = x', and x'' there from m x'' = -k x.
+    assert_eq!(row(&check, "A1", 1).equations, [1, 0]);
+    assert_eq!(row(&check, "B2", 0).equations, [2]);
+    assert_eq!(row(&check, "P1", 0).equations, Vec::<usize>::new());
 }
 
 /// B1 reads the velocity in place of the position, so no integrator represents x.
@@ -205,6 +224,23 @@ fn an_overload_is_marked_and_is_no_difference() {
         check.rows.iter().filter(|row| row.is_overloaded).map(|row| row.element.as_str()).collect();
     assert_eq!(overloaded.len(), 2, "{overloaded:?}");
     assert!(overloaded.contains(&"A2") && overloaded.contains(&"B1"), "{overloaded:?}");
+    let reason = |element: &str, order| row(&check, element, order).not_compared.clone();
+    // The derivative of A2 is that of x at B1, which is overloaded.
+    for (element, order) in [("A2", 0), ("B1", 0), ("P1", 0), ("A1", 1), ("A2", 1)] {
+        assert_eq!(reason(element, order).as_deref(), Some("A2 is overloaded"), "{element}");
+    }
+    for (element, order) in [("A1", 0), ("M2", 0), ("B2", 0)] {
+        assert_eq!(reason(element, order), None, "{element}");
+    }
+}
+
+#[test]
+fn a_wrong_gain_behind_an_overload_is_not_compared() {
+    let mut wrong = spring();
+    wrong["elements"]["A1"]["in"] = json!({"x1": ["P1"]});
+    let wrong = check(&wrong, &given(&[("x", 0.2)])).unwrap();
+    assert!(differences(&wrong).is_empty(), "{wrong:?}");
+    assert_eq!(row(&wrong, "A1", 1).not_compared.as_deref(), Some("A2 is overloaded"));
 }
 
 #[test]

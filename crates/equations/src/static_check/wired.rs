@@ -1,18 +1,21 @@
 //! The wiring at a point: the voltage of every output, and the value and derivatives of every signal.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::{Program, ProgramPoint, Register};
+use patchcord_core::ir::{MAX_DERIVATIVE, Program, ProgramPoint, Register};
 
 use super::handles::Handle;
 
-/// A difference in time lasts this share of the time in which the fastest state changes by the size of the largest one.
-const SHARE: f64 = 1e-5;
-/// It lasts at most this share of the step of a run.
-const STEP_SHARE: f64 = 1e-2;
+/// Distances in volts by which all states move, for the slopes of quantities. The first one is taken at which all loops
+/// have a solution.
+const DISTANCES: [f64; 2] = [1.0, 1e-3];
 
 /// A circuit at a point. Amplifiers outside loops are not limited.
+///
+/// Derivatives are exact up to rounding, because they follow from Taylor series of the program's operations.
 pub(super) struct Wired<'a> {
     /// The circuit.
     pub circuit: &'a Circuit,
@@ -24,8 +27,45 @@ pub(super) struct Wired<'a> {
     pub given: BTreeMap<Register, f64>,
     /// The values of all registers at the point.
     pub voltages: Vec<f64>,
+    /// The names of the outputs.
+    places: Rc<Places<'a>>,
+    /// The derivatives of all registers by problem time, in volts. They are computed when they are first needed.
+    derivatives: OnceCell<Vec<Vec<f64>>>,
+    /// By how much every voltage would differ with infinite amplification, in volts; computed when it is first needed.
+    errors: OnceCell<Vec<f64>>,
+    /// The machine with all states nearer to 0. It is evaluated when it is first needed.
+    moved: OnceCell<Option<Moved>>,
+}
+
+/// A machine whose states have moved a little.
+struct Moved {
+    /// The voltages of the states.
+    states: Vec<f64>,
+    /// The derivatives of all registers by problem time, in volts, from order 0.
+    derivatives: Vec<Vec<f64>>,
+}
+
+/// The names of the outputs of a program.
+struct Places<'a> {
     /// Register and value per volt, in SI, of every signal, drive and element.
     signals: BTreeMap<&'a str, (Register, f64)>,
+    /// The element at every output.
+    elements: BTreeMap<Register, usize>,
+}
+
+impl<'a> Places<'a> {
+    /// The outputs of a program.
+    fn new(program: &'a Program) -> Self {
+        let coefficients = program.coefficient_values();
+        let mut signals = BTreeMap::new();
+        for signal in program.signals() {
+            let per_volt = signal.per_volt.map_or(1.0, |index| coefficients[index as usize]);
+            // A signal comes before an element of the same name.
+            signals.entry(signal.name.as_str()).or_insert((signal.register, per_volt));
+        }
+        let outputs = program.element_outputs().iter().enumerate();
+        Places { signals, elements: outputs.map(|(element, output)| (output.register, element)).collect() }
+    }
 }
 
 impl<'a> Wired<'a> {
@@ -36,20 +76,35 @@ impl<'a> Wired<'a> {
         point: ProgramPoint,
         given: BTreeMap<Register, f64>,
     ) -> Option<Self> {
+        Self::at_places(circuit, program, &Rc::new(Places::new(program)), (point, given))
+    }
+
+    /// The same circuit at another point. `None` if a loop without an integrator has no single solution there.
+    pub(super) fn at(&self, point: ProgramPoint, given: BTreeMap<Register, f64>) -> Option<Self> {
+        Self::at_places(self.circuit, self.program, &self.places, (point, given))
+    }
+
+    /// The circuit at a point with given voltages of drives. `None` if a loop has no single solution there.
+    fn at_places(
+        circuit: &'a Circuit,
+        program: &'a Program,
+        places: &Rc<Places<'a>>,
+        (point, given): (ProgramPoint, BTreeMap<Register, f64>),
+    ) -> Option<Self> {
         let voltages = program.unlimited_voltages_at(&point, &given)?;
-        let coefficients = program.coefficient_values();
-        let mut signals = BTreeMap::new();
-        for signal in program.signals() {
-            let per_volt = signal.per_volt.map_or(1.0, |index| coefficients[index as usize]);
-            // A signal comes before an element of the same name.
-            signals.entry(signal.name.as_str()).or_insert((signal.register, per_volt));
-        }
-        Some(Wired { circuit, program, point, given, voltages, signals })
+        let places = Rc::clone(places);
+        let (derivatives, errors, moved) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
+        Some(Wired { circuit, program, point, given, voltages, places, derivatives, errors, moved })
     }
 
     /// The register of a signal, drive or element, and its value at 1 V in SI.
     pub(super) fn place(&self, name: &str) -> Option<(Register, f64)> {
-        self.signals.get(name).copied()
+        self.places.signals.get(name).copied()
+    }
+
+    /// The element whose output has a register.
+    pub(super) fn element_at(&self, register: Register) -> Option<usize> {
+        self.places.elements.get(&register).copied()
     }
 
     /// Whether an output is that of a drive.
@@ -57,72 +112,65 @@ impl<'a> Wired<'a> {
         self.program.drive_registers().contains(&register)
     }
 
+    /// The index of the state whose output has a register.
+    pub(super) fn state_at(&self, register: Register) -> Option<usize> {
+        let outputs = self.program.element_outputs();
+        self.program.state_laws().iter().position(|state| outputs[state.element].register == register)
+    }
+
     /// The voltage of a register.
     pub(super) fn volts(&self, register: Register) -> f64 {
         self.voltages[register.index()]
     }
 
-    /// The value of a quantity in SI, with this number of derivatives. `None` if the wiring has no such signal.
-    pub(super) fn quantity(&self, name: &str, order: usize) -> Option<f64> {
-        if order > 0 {
-            return self.quantity_at(name, order, &self.point);
+    /// A derivative of the voltage of a register by problem time; the voltage itself for order 0. `None` if the order is
+    /// above [`MAX_DERIVATIVE`].
+    pub(super) fn derivative(&self, register: Register, order: usize) -> Option<f64> {
+        if order == 0 {
+            return Some(self.volts(register));
         }
-        let (register, per_volt) = self.place(name)?;
-        Some(self.volts(register) * per_volt)
+        let derivatives = self.derivatives.get_or_init(|| {
+            self.program.derivatives_at(&self.point, &self.given, &self.voltages, MAX_DERIVATIVE)
+        });
+        Some(derivatives.get(order)?[register.index()])
     }
 
-    /// Change of a quantity, in SI, if a state rises by 1 V. The quantity is linear in the state.
+    /// The value of a quantity in SI, with this number of derivatives. `None` if the wiring has no such signal, or if
+    /// there are too many derivatives.
+    pub(super) fn quantity(&self, name: &str, order: usize) -> Option<f64> {
+        let (register, per_volt) = self.place(name)?;
+        Some(self.derivative(register, order)? * per_volt)
+    }
+
+    /// Size of the error in the voltage of a register because open amplifiers have a finite amplification.
+    pub(super) fn amplification_error(&self, register: Register) -> f64 {
+        let errors = self
+            .errors
+            .get_or_init(|| self.program.amplification_errors_at(&self.point, &self.given, &self.voltages));
+        let error = errors[register.index()].abs();
+        if error.is_nan() { f64::INFINITY } else { error }
+    }
+
+    /// Change of a quantity, in SI, if the state that it determines rises by 1 V. The quantity is linear in this state
+    /// and depends on no other one, so all states move at once. `None` if loops have no solution there.
     pub(super) fn slope(&self, handle: &Handle, state: usize) -> Option<f64> {
-        let mut moved = self.point.clone();
-        moved.states[state] += 1.0;
-        let [after, before] =
-            [&moved, &self.point].map(|point| self.quantity_at(&handle.name, handle.order, point));
-        Some(after? - before?).filter(|slope| slope.is_finite() && *slope != 0.0)
+        let moved = self.moved.get_or_init(|| self.with_smaller_states()).as_ref()?;
+        let (register, per_volt) = self.place(&handle.name)?;
+        let after = moved.derivatives.get(handle.order)?[register.index()];
+        let before = self.derivative(register, handle.order)?;
+        let slope = per_volt * (after - before) / (moved.states[state] - self.point.states[state]);
+        Some(slope).filter(|slope| slope.is_finite() && *slope != 0.0)
     }
 
-    /// The value of a quantity at another point. A derivative is a difference along the motion of the states, forward in
-    /// time: drives may begin at t = 0.
-    fn quantity_at(&self, name: &str, order: usize, point: &ProgramPoint) -> Option<f64> {
-        let voltages = self.program.unlimited_voltages_at(point, &self.given)?;
-        let (register, per_volt) = self.place(name)?;
-        let Some(lower) = order.checked_sub(1) else {
-            return Some(voltages[register.index()] * per_volt);
-        };
-        let rates = self.rates(&voltages);
-        let length = self.length(point, &rates);
-        let later = |steps: f64| moved(point, &rates, steps * length);
-        let [here, next, last] = [0.0, 1.0, 2.0].map(|steps| self.quantity_at(name, lower, &later(steps)));
-        Some((4.0 * next? - 3.0 * here? - last?) / (2.0 * length))
+    /// The machine with all states nearer to 0.
+    fn with_smaller_states(&self) -> Option<Moved> {
+        DISTANCES.iter().find_map(|distance| {
+            let mut point = self.point.clone();
+            let toward_0 = |volts: &mut f64| *volts += if *volts > 0.0 { -distance } else { *distance };
+            point.states.iter_mut().for_each(toward_0);
+            let voltages = self.program.unlimited_voltages_at(&point, &self.given)?;
+            let derivatives = self.program.derivatives_at(&point, &self.given, &voltages, MAX_DERIVATIVE);
+            Some(Moved { states: point.states, derivatives })
+        })
     }
-
-    /// The rates of the states in volts per problem second.
-    fn rates(&self, voltages: &[f64]) -> Vec<f64> {
-        self.program.state_laws().iter().map(|state| voltages[state.demand.index()]).collect()
-    }
-
-    /// The fastest rate of a state, in volts per problem second.
-    pub(super) fn fastest_rate(&self) -> f64 {
-        largest(&self.rates(&self.voltages))
-    }
-
-    /// Length of a difference in problem seconds.
-    fn length(&self, point: &ProgramPoint, rates: &[f64]) -> f64 {
-        let (size, fastest) = (largest(&point.states).max(1.0), largest(rates));
-        let step = self.circuit.run_plan().step.as_ref().map_or(1.0, |step| step.value);
-        let longest = STEP_SHARE * step;
-        if fastest > 0.0 { longest.min(SHARE * size / fastest) } else { longest }
-    }
-}
-
-/// The largest size among numbers; 0 if there are none.
-fn largest(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |largest: f64, number| largest.max(number.abs()))
-}
-
-/// The point some time later, if the states move with these rates.
-fn moved(point: &ProgramPoint, rates: &[f64], time: f64) -> ProgramPoint {
-    let mut moved = point.clone();
-    moved.time += time;
-    moved.states.iter_mut().zip(rates).for_each(|(state, rate)| *state += time * rate);
-    moved
 }

@@ -110,14 +110,11 @@ impl Fraction {
         Fraction { numerator, divisors }.reduced()
     }
 
-    /// The product of all divisors of two expressions, and the numerators of both over it.
-    pub(crate) fn over_common_divisors(both: [&Fraction; 2]) -> (Fraction, [Polynomial; 2]) {
+    /// All divisors of two expressions with their powers, and the numerators of both over their product.
+    pub(crate) fn over_common_divisors(both: [&Fraction; 2]) -> (BTreeMap<Polynomial, u32>, [Polynomial; 2]) {
         let divisors = common_divisors(both[0], both[1]);
         let numerators = both.map(|fraction| with_reduced_powers(fraction.numerator_over(&divisors)));
-        let product = divisors.iter().fold(Fraction::whole(1), |product, (divisor, power)| {
-            product.times(&Fraction::from(divisor.clone()).power(*power as i32))
-        });
-        (product, numerators)
+        (divisors, numerators)
     }
 
     /// The difference.

@@ -174,8 +174,8 @@ impl<'a> Design<'a> {
         let weights: Vec<(f64, Term)> = sum.terms.iter().map(weight).collect();
         let largest = weights.iter().max_by(|(one, _), (other, _)| one.total_cmp(other));
         let (value, expression) = match largest {
-            Some((weight, term)) => (*weight, self.table.weighted(&self.positive(term))),
-            None => (1.0, Fraction::whole(1)),
+            Some((weight, term)) if *weight > 0.0 => (*weight, self.table.weighted(&self.positive(term))),
+            _ => (1.0, Fraction::whole(1)),
         };
         let total = self.total(id);
         let gain = largest_gain(&total);
@@ -289,6 +289,11 @@ impl<'a> Design<'a> {
     fn too_large(&self, id: NodeId, node: NodeId, gain: f64, total: &Total) -> Diagnostic {
         let plan = &self.input.plan;
         let [output, source] = [id, node].map(|id| plan.node(id).name.as_str());
+        if !gain.is_finite() {
+            let message =
+                format!("the scales of {source} and {output} are too far apart: their gain is no number");
+            return self.input.fault(id, message, &format!("give {source} and {output} a \"maximum\""));
+        }
         let number = format_significant(gain, 3);
         let most = largest_gain(total);
         let noun = if total.is_rate { "an integrator" } else { "an amplifier" };

@@ -93,6 +93,20 @@ pub(crate) fn with_ranges(patch: &Patch, ranges: &[(&str, [f64; 2])]) -> Result<
     Patch::parse(patch.file(), &layout(&document))
 }
 
+/// A patch with another step of its run. The times of its samples stay.
+///
+/// # Errors
+/// If the document cannot be decoded.
+pub(crate) fn with_step(patch: &Patch, step: f64) -> Result<Patch, Box<Report>> {
+    let mut document = patch.value().clone();
+    if let Some(run) = document.get_mut("run").and_then(Value::as_object_mut)
+        && let Some(stated) = run.insert("step".to_owned(), exact_number(step))
+    {
+        run.entry("every").or_insert(stated);
+    }
+    Patch::parse(patch.file(), &layout(&document))
+}
+
 /// The faults of a patch, without their positions in its text, which the user does not see.
 fn faults(report: &Report) -> Vec<Diagnostic> {
     report.findings.iter().map(|finding| Diagnostic { span: None, ..finding.clone() }).collect()

@@ -26,6 +26,7 @@ mod names;
 mod needs;
 mod notes;
 mod polarity;
+mod reason;
 mod rescaled;
 mod round;
 mod scale_table;
@@ -47,10 +48,11 @@ use crate::graph::{NodeId, Plan};
 use crate::peaks::Ranges;
 use assembly::Assembly;
 use design::{Block, Design};
-pub(crate) use document::with_ranges;
+pub(crate) use document::{with_ranges, with_step};
 use input::Input;
 pub(crate) use notes::GainStep;
-pub(crate) use scales::{GOOD_VOLTS, choose_scales, improved_scales};
+pub(crate) use reason::ScaleReason;
+pub(crate) use scales::{GOOD_VOLTS, choose_scales, exceeds_reference, improved_scales, suitable_scale};
 
 /// What a scaled patch should be like.
 ///
@@ -84,8 +86,17 @@ impl Default for ScaleOptions {
 pub(crate) struct Scales {
     /// The value of one volt of each node in SI units. Nodes that the synthesis adds to the plan are at the end.
     pub per_volt: Vec<f64>,
+    /// What determines the scale of each node. `None` if its peak does.
+    pub reasons: Vec<Option<ScaleReason>>,
     /// Machine seconds per problem second.
     pub time_scale: f64,
+}
+
+impl Scales {
+    /// Whether the values are the same, whatever determines them.
+    pub(crate) fn has_values_of(&self, other: &Scales) -> bool {
+        self.per_volt == other.per_volt && self.time_scale == other.time_scale
+    }
 }
 
 /// A patch that solves a problem.
@@ -98,8 +109,12 @@ pub(crate) struct Synthesis {
     pub outputs: Vec<(NodeId, String)>,
     /// The gain rule for each input of the integrators, summers and pots, in the order of the elements.
     pub steps: Vec<GainStep>,
+    /// The name of each node.
+    pub names: Vec<String>,
     /// The unit of each node.
     pub units: Vec<Unit>,
+    /// The unit of each quantity of the plan. Two quantities with one node can have different units.
+    pub quantity_units: Vec<Unit>,
 }
 
 /// Makes the patch of a plan with these scales, which [`choose_scales`] or [`improved_scales`] gives.
@@ -122,8 +137,12 @@ pub(crate) fn synthesise(
     let output = |id: NodeId| Some((id, assembly.output_of(id)?.to_owned()));
     let outputs = flow::signal_flow(&input.plan).into_iter().filter_map(output).collect();
     let steps = assembly.steps.clone();
+    let names = input.plan.nodes.iter().map(|node| node.name.clone()).collect();
     let units = input.plan.ids().map(|id| input.unit(id)).collect();
-    Ok(Synthesis { patch: document::patch(assembly)?, outputs, steps, units })
+    let quantities = plan.quantities.iter();
+    let quantity_units =
+        quantities.map(|quantity| input.unit_of_quantity(&quantity.name, quantity.node)).collect();
+    Ok(Synthesis { patch: document::patch(assembly)?, outputs, steps, names, units, quantity_units })
 }
 
 /// The circuits of all nodes.

@@ -1,11 +1,11 @@
 //! Notes of elements, and the steps of the gain rule for a student.
 
-use patchcord_expr::{format_significant, round_significant};
+use patchcord_expr::format_significant;
 
 use super::design::{Branch, Design};
 use super::gains::LEAST_SETTING;
 use crate::graph::{NodeId, Operation};
-use crate::notation::{Notation, text};
+use crate::notation::{Notation, is_one, rounded, text};
 use crate::symbolic::Fraction;
 use crate::writing::Writer;
 
@@ -93,26 +93,12 @@ impl GainStep {
 
 /// The text of a coefficient times a node in the language of equations, such as `(k/m) x`.
 pub(super) fn term_text(design: &Design<'_>, coefficient: &Fraction, node: NodeId) -> String {
-    let constant = rounded(Writer::physical(&design.system).expression(coefficient, None));
+    let constant = rounded(&Writer::physical(&design.system).expression(coefficient, None), NOTE_DIGITS);
     let name = &design.input.plan.node(node).name;
     match *design.input.operation(node) {
         Operation::One => text(&constant),
         _ if is_one(&constant) => name.clone(),
         _ => text(&multiplied(constant, as_factor(name))),
-    }
-}
-
-/// A notation whose numbers have few digits.
-fn rounded(notation: Notation) -> Notation {
-    let inside = |notation: Box<Notation>| Box::new(rounded(*notation));
-    match notation {
-        Notation::Number { value, unit } => {
-            Notation::Number { value: round_significant(value, NOTE_DIGITS), unit }
-        }
-        Notation::Negative(operand) => Notation::Negative(inside(operand)),
-        Notation::Product(factors) => Notation::Product(factors.into_iter().map(rounded).collect()),
-        Notation::Quotient(top, bottom) => Notation::Quotient(inside(top), inside(bottom)),
-        other => other,
     }
 }
 
@@ -125,11 +111,6 @@ fn multiplied(constant: Notation, factor: String) -> Notation {
         Notation::Product(factors) => Notation::Product(factors.into_iter().chain([own(factor)]).collect()),
         constant => Notation::Product(vec![constant, own(factor)]),
     }
-}
-
-/// Whether an expression is the number 1.
-fn is_one(notation: &Notation) -> bool {
-    matches!(notation, Notation::Number { value, unit: None } if *value == 1.0)
 }
 
 /// The text of the product of two nodes.
@@ -196,7 +177,7 @@ mod tests {
         let name = |name: &str| Notation::Name { name: name.to_owned(), primes: 0 };
         let number = |value| Notation::Number { value, unit: None };
         let quotient = |top, bottom| Notation::Quotient(Box::new(top), Box::new(bottom));
-        let term = |constant, node: &str| text(&multiplied(rounded(constant), as_factor(node)));
+        let term = |constant, node: &str| text(&multiplied(rounded(&constant, NOTE_DIGITS), as_factor(node)));
         assert_eq!(term(quotient(name("k"), name("m")), "x"), "(k/m) x");
         assert_eq!(term(quotient(number(1.0), name("T")), "x y"), "x y/T");
         assert_eq!(term(quotient(number(1.0), name("T")), "a - b"), "(a - b)/T");

@@ -8,6 +8,8 @@ use patchcord_core::patch::Problem;
 use super::centred::least_volts;
 use super::gains::MOST_CORDS;
 use super::input::Input;
+use super::reason::ScaleReason;
+use super::rescaled::is_forced;
 use super::round::roundest;
 use super::scale_table::ScaleTable;
 use super::significant::significant_peaks;
@@ -23,10 +25,14 @@ use crate::symbolic::Fraction;
 const CHOSEN_VOLTS: [f64; 2] = [51.0, 94.0];
 /// A measured peak within these voltages uses the range of its amplifier. Another one needs a new scale.
 pub(crate) const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
-/// The largest voltage of an amplifier. Of a larger peak nothing is known.
+/// The largest voltage of an amplifier. Of a larger peak little is known.
 const MOST_VOLTS: f64 = 100.0;
 /// The peak behind an overload is taken to be larger by this factor.
 const OVERLOAD: f64 = 1.5;
+/// The largest voltage behind an overload that is believed. In a run with overloads, voltages can be far too large.
+const BELIEVED_VOLTS: f64 = 300.0;
+/// The relative error of the peaks of the solution without scales.
+const PEAK_ERROR: f64 = 1e-4;
 /// Scales depend on each other through pots and multipliers. They are adjusted this number of times.
 const PASSES: usize = 4;
 /// Rounding of a ratio of scales.
@@ -34,9 +40,9 @@ const ROUNDING: f64 = 1e-12;
 
 /// Chooses the scales of all nodes and the time scale.
 ///
-/// A scale that the problem states is kept: `per_volt`, or a hundredth of the `maximum`. Otherwise the range of the node
-/// decides. A node that is 0 during the whole run gets an estimate; see `unknown`. The scales of multipliers, diode
-/// networks and delay lines follow from their inputs.
+/// A scale that the problem states is kept: `per_volt`, or a hundredth of a `maximum` that the solution does not exceed.
+/// Otherwise the range of the node decides. A node that is 0 during the whole run gets an estimate; see `unknown`. The
+/// scales of multipliers, diode networks and delay lines follow from their inputs.
 ///
 /// The scales are by the index of the node. Those of nodes that the synthesis adds are at the end.
 pub(crate) fn choose_scales(
@@ -47,14 +53,34 @@ pub(crate) fn choose_scales(
     options: &ScaleOptions,
 ) -> Scales {
     let input = Input::new(plan, problem, circuit, ranges, options);
-    let kept: Vec<Option<f64>> = input.plan.ids().map(|id| input.stated_scale(id)).collect();
-    choose(&input, &significant_peaks(&input), &kept)
+    let peaks = significant_peaks(&input);
+    let kept: Vec<Option<Chosen>> = input.plan.ids().map(|id| stated(&input, id, &peaks)).collect();
+    choose(&input, &peaks, &kept)
+}
+
+/// The scale of a node that the problem states. `None` if it states none, or a maximum that the peak exceeds and that need
+/// not be kept.
+fn stated(input: &Input<'_>, id: NodeId, peaks: &[f64]) -> Option<Chosen> {
+    if let Some(per_volt) = input.prescribed_scale(id) {
+        return Some(Chosen { per_volt, reason: Some(ScaleReason::Prescribed) });
+    }
+    let per_volt = input.stated_scale(id)?;
+    let is_kept = input.options.keeps_maxima;
+    let reason = is_kept.then_some(ScaleReason::KeptMaximum);
+    (is_kept || !exceeds_reference(peaks[id.0 as usize], per_volt)).then_some(Chosen { per_volt, reason })
+}
+
+/// Whether a peak of the solution without scales is above 100 V, and not only by its error. Both are in one unit.
+pub(crate) fn exceeds_reference(peak: f64, per_volt: f64) -> bool {
+    peak > MOST_VOLTS * per_volt * (1.0 + PEAK_ERROR)
 }
 
 /// Chooses new scales for the nodes whose measured peaks are below 50 V or above 95 V.
 ///
 /// `volts` has the largest magnitudes of outputs in a run of the synthesised patch, by node. A scale that the problem
-/// prescribes is only changed after an overload, and with `keeps_maxima` also that of a stated maximum. The result equals `scales` if nothing can be improved.
+/// prescribes never changes. With `keeps_maxima`, that of a stated maximum changes after an overload only. A run with an
+/// overload does not show how large the other voltages are. So only the scales of outputs at 100 V change after it. The
+/// result has the values of `scales` if nothing can be improved.
 pub(crate) fn improved_scales(
     plan: &Plan,
     problem: &Problem,
@@ -66,40 +92,72 @@ pub(crate) fn improved_scales(
 ) -> Scales {
     let input = Input::new(plan, problem, circuit, ranges, options);
     let mut peaks = significant_peaks(&input);
-    let mut kept: Vec<Option<f64>> = scales.per_volt.iter().copied().map(Some).collect();
+    let present = scales.per_volt.iter().zip(&scales.reasons);
+    let mut kept: Vec<Option<Chosen>> =
+        present.map(|(per_volt, reason)| Some(Chosen { per_volt: *per_volt, reason: *reason })).collect();
     kept.resize(peaks.len(), None);
+    let is_over = |volts: f64| volts >= MOST_VOLTS;
+    let has_overload = volts.iter().any(|(_, volts)| is_over(*volts));
     for (id, volts) in volts {
         let index = id.0 as usize;
-        let Some(scale) = kept.get(index).copied().flatten() else { continue };
-        let is_over = *volts >= MOST_VOLTS;
-        let is_good = (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(volts) || peaks[index] == 0.0;
-        let is_kept = match options.keeps_maxima {
-            true => input.stated_scale(*id).is_some(),
-            false => input.prescribed_scale(*id).is_some(),
-        };
-        if is_over || !(is_good || is_kept) {
-            peaks[index] = if is_over { peaks[index].max(OVERLOAD * volts * scale) } else { volts * scale };
+        let Some(chosen) = kept.get(index).copied().flatten() else { continue };
+        if input.prescribed_scale(*id).is_some() {
+            continue;
+        }
+        if is_over(*volts) {
+            let believed = OVERLOAD * volts.min(BELIEVED_VOLTS) * chosen.per_volt;
+            peaks[index] = peaks[index].max(believed);
+            kept[index] = None;
+        } else if !has_overload && needs_change(&input, *id, *volts) && peaks[index] > 0.0 {
+            peaks[index] = volts * chosen.per_volt;
             kept[index] = None;
         }
     }
     choose(&input, &peaks, &kept)
 }
 
+/// Whether the scale of a node should change if it has this peak in a run without overloads.
+fn needs_change(input: &Input<'_>, id: NodeId, volts: f64) -> bool {
+    let is_good = (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts);
+    let is_kept = input.options.keeps_maxima && input.stated_scale(id).is_some();
+    !is_good && !is_kept
+}
+
+/// The round number that is suitable as the scale of a peak: the peak is between 51 and 94 V.
+pub(crate) fn suitable_scale(peak: f64) -> f64 {
+    roundest(peak / CHOSEN_VOLTS[1], peak / CHOSEN_VOLTS[0])
+}
+
+/// A chosen scale.
+#[derive(Debug, Clone, Copy)]
+struct Chosen {
+    /// The value of one volt in SI units.
+    per_volt: f64,
+    /// What determines it. `None` if the peak does.
+    reason: Option<ScaleReason>,
+}
+
 /// Chooses the scales that are not kept.
-fn choose(input: &Input<'_>, peaks: &[f64], kept: &[Option<f64>]) -> Scales {
+fn choose(input: &Input<'_>, peaks: &[f64], kept: &[Option<Chosen>]) -> Scales {
     let choice = Choice { input, peaks, kept };
-    let mut chosen: Vec<Option<f64>> = input.plan.ids().map(|id| choice.first(id)).collect();
+    let first: Vec<Option<Chosen>> = input.plan.ids().map(|id| choice.first(id)).collect();
+    let reason = |chosen: &Option<Chosen>| chosen.map_or(Some(ScaleReason::Zero), |chosen| chosen.reason);
+    let mut reasons: Vec<Option<ScaleReason>> = first.iter().map(reason).collect();
+    let mut chosen: Vec<Option<f64>> = first.iter().map(|chosen| Some((*chosen)?.per_volt)).collect();
     fill_unknown(input, &mut chosen);
     let mut per_volt: Vec<f64> = chosen.into_iter().map(|scale| scale.unwrap_or(f64::NAN)).collect();
     for _ in 0..PASSES {
         per_volt = table(input, &per_volt).values();
         for id in input.plan.ids().filter(|id| kept[id.0 as usize].is_none()) {
-            choice.adjust(id, &mut per_volt);
+            choice.adjust(id, &mut per_volt, &mut reasons);
         }
     }
     per_volt = table(input, &per_volt).values();
+    for id in input.plan.ids().filter(|id| !is_chosen(input, *id)) {
+        reasons[id.0 as usize] = choice.forced_reason(id, &per_volt);
+    }
     let time_scale = time_scale(input, &per_volt);
-    Scales { per_volt, time_scale }
+    Scales { per_volt, reasons, time_scale }
 }
 
 /// The table of all scales for these chosen ones. Their names do not occur in a patch.
@@ -113,19 +171,39 @@ struct Choice<'c, 'a> {
     input: &'c Input<'a>,
     /// The peaks in SI units by node; 0 if a peak is not known.
     peaks: &'c [f64],
-    /// The scales that stay, in SI units by node.
-    kept: &'c [Option<f64>],
+    /// The scales that stay, by node.
+    kept: &'c [Option<Chosen>],
 }
 
 impl Choice<'_, '_> {
     /// The kept scale of a node, or that for its peak. `None` if it is not known, and if it follows from others.
-    fn first(&self, id: NodeId) -> Option<f64> {
+    fn first(&self, id: NodeId) -> Option<Chosen> {
         if !is_chosen(self.input, id) {
             return None;
         }
+        if let Some(kept) = self.kept[id.0 as usize] {
+            return Some(kept);
+        }
         let peak = self.peak(id);
-        let round = || (peak > 0.0).then(|| self.within(id, self.round(id, peak)));
-        self.kept[id.0 as usize].or_else(round)
+        if peak <= 0.0 {
+            return None;
+        }
+        let round = self.round(id, peak);
+        let per_volt = self.within(id, round);
+        let of_bounds = (peak > self.peaks[id.0 as usize]).then_some(ScaleReason::Bounds);
+        let reason = if per_volt == round { of_bounds } else { Some(ScaleReason::Generator) };
+        Some(Chosen { per_volt, reason })
+    }
+
+    /// The reason for the scale of a node without a chosen one. `None` for the reference.
+    fn forced_reason(&self, id: NodeId, per_volt: &[f64]) -> Option<ScaleReason> {
+        if self.peaks[id.0 as usize] == 0.0 && is_forced(self.input.operation(id)) {
+            return Some(ScaleReason::Zero);
+        }
+        let operation = self.input.operation(id);
+        let volts = |node: NodeId| self.peaks[node.0 as usize] / per_volt[node.0 as usize];
+        let inputs: Vec<f64> = operation.inputs().into_iter().map(volts).collect();
+        ScaleReason::of_forced(operation, volts(id), &inputs)
     }
 
     /// The peak of a node in SI units, at least the bounds of a limiter and the values of a comparator.
@@ -162,7 +240,7 @@ impl Choice<'_, '_> {
     }
 
     /// Adjusts the scale of a sum to those of its inputs.
-    fn adjust(&self, id: NodeId, per_volt: &mut [f64]) {
+    fn adjust(&self, id: NodeId, per_volt: &mut [f64], reasons: &mut [Option<ScaleReason>]) {
         let index = id.0 as usize;
         match self.input.operation(id) {
             Operation::Sum(sum) if sum.terms.len() == 1 => {
@@ -171,7 +249,11 @@ impl Choice<'_, '_> {
                 }
             }
             Operation::Sum(sum) | Operation::Limited { sum, .. } => {
-                per_volt[index] = self.scale_for_gains(id, sum, per_volt);
+                let scale = self.scale_for_gains(id, sum, per_volt);
+                if scale != per_volt[index] {
+                    per_volt[index] = scale;
+                    reasons[index] = Some(ScaleReason::LargestGain);
+                }
             }
             _ => {}
         }

@@ -7,12 +7,13 @@
 //! [`Circuit::range_checks`] gives all checks as data, so that a program can narrow ranges. Only pot settings cause
 //! warnings.
 
+mod warning;
+
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use super::{SettingChecker, is_of_signal};
+use super::is_of_signal;
 use crate::circuit::{Circuit, Quantities};
-use crate::document::{Code, Diagnostic, Placed, format_number};
 use crate::elements::{Setting, SettingQuantity};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, ElementEntry, Patch};
@@ -98,7 +99,7 @@ pub struct RangeFault {
     /// The value of the setting in its unit, the upper setting minus the lower one, or the volts of the drive. `None` if
     /// it cannot be computed.
     pub value: Option<f64>,
-    /// The parameters with the values that break the rule, in their declared units.
+    /// The parameters with the values that break the rule, in their declared units. The others have their present values.
     pub parameters: Vec<(String, f64)>,
 }
 
@@ -132,8 +133,8 @@ impl Circuit {
         checks.filter(|check| !check.parameters.is_empty()).collect()
     }
 
-    /// The settings that are wrong for some values of parameters within their ranges, each with the first combination
-    /// of values for which this happens.
+    /// The settings that are wrong for some values of parameters within their ranges, each with a combination of values
+    /// for which this happens.
     ///
     /// # Examples
     ///
@@ -309,11 +310,18 @@ impl RangeCheck<'_> {
         }
     }
 
-    /// The first combination of values that breaks the rule. The ranges are those of all parameters of the patch, in
+    /// A combination of values that breaks the rule, without the parameters whose present values break it too. It is the
+    /// first one with ends of ranges only, if there is one. The ranges are those of all parameters of the patch, in
     /// declared units. `None` if the rule holds for all combinations.
     pub fn fault(&self, ranges: &[Option<(f64, f64)>]) -> Option<RangeFault> {
-        let mut combinations = self.combinations(ranges).into_iter();
-        let combination = combinations.find(|combination| self.excess(combination) != 0.0)?;
+        let is_end = |(index, value): &(usize, f64)| {
+            let range = ranges.get(*index).copied().flatten();
+            range.is_some_and(|(low, high)| [low, high].contains(value))
+        };
+        let mut faulty = self.combinations(ranges);
+        faulty.retain(|combination| self.excess(combination) != 0.0);
+        let at_ends = faulty.iter().position(|combination| combination.iter().all(is_end));
+        let combination = self.necessary(faulty.into_iter().nth(at_ends.unwrap_or(0))?);
         let named = |(index, value): &(usize, f64)| {
             let (name, _) = self.patch.parameters.get_index(*index)?;
             Some((name.clone(), *value))
@@ -324,6 +332,18 @@ impl RangeCheck<'_> {
             value: self.value(&combination),
             parameters: combination.iter().filter_map(named).collect(),
         })
+    }
+
+    /// The part of a combination that breaks the rule alone: the other parameters keep their present values.
+    fn necessary(&self, mut combination: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
+        for parameter in &self.parameters {
+            let others = combination.iter().copied().filter(|(index, _)| index != parameter);
+            let others: Vec<(usize, f64)> = others.collect();
+            if !others.is_empty() && self.excess(&others) != 0.0 {
+                combination = others;
+            }
+        }
+        combination
     }
 
     /// The value that the rule limits. `None` if a formula has no value.
@@ -365,36 +385,4 @@ impl<'c> Rule<'c> {
             Rule::Level { limit, .. } => value - limit,
         }
     }
-}
-
-impl SettingChecker<'_> {
-    /// Warns of a pot setting that leaves its range for some values of its parameters within their ranges.
-    ///
-    /// The warning names the first combination of values for which this happens.
-    pub(super) fn check_over_ranges(
-        &self,
-        row: &Setting,
-        placed: &Placed<Formula>,
-        findings: &mut Vec<Diagnostic>,
-    ) {
-        let subject = Subject { element: self.name, quantities: self.quantities, patch: self.patch };
-        if let Some(fault) = subject.permitted(row, &placed.value).fault(&ranges(self.patch)) {
-            let predicate = match fault.value {
-                Some(value) => format!("would be {}", format_number(value)),
-                None => "would have no value".to_owned(),
-            };
-            let values = describe(&fault.parameters);
-            let message = format!("\"{}\" of {} {predicate} at {values}", row.name, self.name);
-            let hint = "narrow the range of the parameter, or rescale";
-            findings.push(Diagnostic::at(Code::SETTING_RANGE, placed.span, message).hint(hint));
-        }
-    }
-}
-
-/// The names and values of parameters for messages: "k = 3, m = 2".
-///
-/// Values are in the declared units, without the unit.
-fn describe(parameters: &[(String, f64)]) -> String {
-    let values = parameters.iter().map(|(name, value)| format!("{name} = {}", format_number(*value)));
-    values.collect::<Vec<_>>().join(", ")
 }

@@ -187,5 +187,22 @@ fn a_check_measures_by_how_much_a_rule_is_broken() {
     let ranges = |low: f64| [Some((0.0, 3.0)), None, Some((low, 4.0))];
     assert_eq!(checks[0].fault(&ranges(3.0)), None);
     let fault = checks[0].fault(&ranges(0.0)).unwrap();
-    assert_eq!((fault.value, fault.parameters.len()), (None, 2));
+    // With a at its present value, there is no value at b = 0 either.
+    assert_eq!((fault.value, fault.parameters), (None, vec![("b".to_owned(), 0.0)]));
+}
+
+#[test]
+fn a_warning_names_only_the_parameters_that_must_change() {
+    let message = |k: [f64; 2], m: [f64; 2]| {
+        let builder = PatchBuilder::new("ranges").parameter("k", 1.0, "1", k).parameter("m", 2.0, "1", m);
+        let warnings = pot_at(builder, "k / m").unwrap().warnings();
+        assert_eq!(warnings.findings.len(), 1, "{warnings}");
+        warnings.findings[0].message.clone()
+    };
+    // At the present m = 2, the setting is above 1 at k = 3 already, and at the middle of the range of k it is not.
+    assert_eq!(message([0.5, 3.0], [1.0, 11.0]), "\"setting\" of P would be 1.5 at k = 3");
+    // Neither of the two is enough alone.
+    assert_eq!(message([0.5, 1.5], [1.0, 11.0]), "\"setting\" of P would be 1.5 at k = 1.5, m = 1");
+    // The middle of the range of k is wrong too, but the message names its end.
+    assert_eq!(message([1.0, 9.0], [1.9, 2.5]), "\"setting\" of P would be 4.5 at k = 9");
 }

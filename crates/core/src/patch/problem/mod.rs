@@ -169,8 +169,21 @@ impl Problem {
     pub fn is_problem(text: &str) -> bool {
         let is_short = text.len() <= MAX_DOCUMENT_BYTES;
         let root = is_short.then(|| tree::parse(without_byte_order_mark(text)).ok()).flatten();
-        root.is_some_and(|root| DocumentKind::of(&root) == Some(DocumentKind::Problem))
+        root.is_some_and(|root| match DocumentKind::of(&root) {
+            Some(DocumentKind::Problem) => true,
+            Some(DocumentKind::Patch) => is_without_quantities(&root),
+            _ => false,
+        })
     }
+}
+
+/// The sections that are the substance of a patch.
+const PATCH_SECTIONS: [&str; 5] = ["elements", "drives", "scales", "signals", "macros"];
+
+/// Whether a document is a problem that lacks its quantities: it has equations, and nothing of a patch.
+fn is_without_quantities(root: &tree::Node) -> bool {
+    let has = |section: &str| root.child(section).is_some();
+    has("equations") && !PATCH_SECTIONS.into_iter().any(has)
 }
 
 /// The diagnostic for a text that is not JSON. It describes the form of a problem if the text does not begin like one.

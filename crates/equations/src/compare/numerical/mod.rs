@@ -19,7 +19,7 @@ use super::expansions::TimeLaws;
 use super::model::Model;
 use super::points::ParameterValues;
 use super::terms::TOLERANCE;
-use crate::symbolic::{Fraction, is_at_switch, term_size, value};
+use crate::symbolic::{Fraction, term_size, value};
 use crate::writing::Writer;
 use outputs::{Known, Outputs};
 use places::{MIN_PLACES, Place, motion, places};
@@ -157,7 +157,7 @@ impl<'a> Numerical<'a> {
     /// The sides of an equation at a place. `None` if one has no value there, or jumps there.
     fn sample(&self, question: &Question, place: &Place, parameters: ParameterValues) -> Option<Sample> {
         let known = self.known(question, place, parameters)?;
-        if question.sides.iter().any(|side| is_at_switch(side, &known)) {
+        if question.is_at_switch(&known) {
             return None;
         }
         let sides = question.sides.each_ref().map(|side| value(side, &known));

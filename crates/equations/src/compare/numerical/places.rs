@@ -8,7 +8,7 @@ use patchcord_core::solve::Machine;
 
 use crate::compare::expansions::TimeLaws;
 use crate::operating_point::{
-    Numbers, has_switches, initial_point, is_in_range, largest_demand, settled_point, state_limits,
+    Numbers, OVERLOAD, has_switches, initial_point, is_in_range, largest_demand, settled_point, state_limits,
 };
 
 /// States that are tried near a motion from the initial condition, and as many in the whole range.
@@ -23,8 +23,6 @@ const STEPS: f64 = 20.0;
 const DISTANCES: [f64; 4] = [20.0, 4.0, 0.8, 0.1];
 /// Distances from 0 V in the whole range.
 const WIDE_DISTANCES: [f64; 5] = [80.0, 25.0, 8.0, 2.0, 0.5];
-/// Demanded output above which an amplifier is overloaded, in volts.
-const OVERLOAD: f64 = 100.0 * (1.0 + 1e-6);
 
 /// A state of the machine with all voltages.
 pub(super) struct Place {

@@ -9,7 +9,9 @@ use patchcord_expr::{Equation, Function};
 use crate::compare::intended::fraction;
 use crate::compare::model::{Model, Obstacle};
 use crate::derive::LawKind;
-use crate::symbolic::{Atom, CallOrder, Fraction, Operation, Roots, Symbol, SymbolKind, Values, value};
+use crate::symbolic::{
+    Atom, CallOrder, Fraction, Operation, Roots, Symbol, SymbolKind, Values, is_at_switch, value,
+};
 
 /// An equation to be evaluated.
 pub(super) struct Question {
@@ -20,6 +22,8 @@ pub(super) struct Question {
     pub loops: Vec<Roots>,
     /// The arguments of every angle of a point in it. An angle jumps by a turn.
     angles: Vec<[Fraction; 2]>,
+    /// The steps in it.
+    steps: Vec<Fraction>,
 }
 
 impl Question {
@@ -34,7 +38,15 @@ impl Question {
         let sides = [left?, right?];
         let loops = loops(model, &sides);
         let angles = sides.iter().flat_map(angles).collect();
-        Ok(Question { sides, loops, angles })
+        let mut found = BTreeSet::new();
+        sides.iter().for_each(|side| add_steps(side, &mut found));
+        let steps = found.into_iter().map(Fraction::atom).collect();
+        Ok(Question { sides, loops, angles, steps })
+    }
+
+    /// Whether a side jumps exactly at a point.
+    pub(super) fn is_at_switch(&self, values: &dyn Values) -> bool {
+        self.steps.iter().any(|step| is_at_switch(step, values))
     }
 
     /// The names of the parameters on which the equation or a loop behind it depends.
@@ -112,4 +124,16 @@ fn angles(expression: &Fraction) -> Vec<[Fraction; 2]> {
         None
     });
     found
+}
+
+/// Adds the steps in an expression.
+fn add_steps(expression: &Fraction, found: &mut BTreeSet<Atom>) {
+    expression.with_factors(&mut |atom| {
+        if let Atom::Apply(applied) = atom
+            && applied.operation == Operation::Step
+        {
+            found.insert(atom.clone());
+        }
+        None
+    });
 }

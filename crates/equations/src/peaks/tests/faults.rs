@@ -24,11 +24,18 @@ fn a_state_that_grows_without_bound_is_named() {
     // x' = x^2 from 1 is 1/(1 - t).
     let growing = vec![("x", integral(1.0, &[(1.0, 1)])), ("x^2", product(0, 0))];
     let found = outcome(2.0, NO_DRIVE, growing);
-    let Err(Fault::Node { kind: FaultKind::Unbounded, node: 0, time }) = found else { panic!("{found:?}") };
+    // The square becomes infinite first.
+    let Err(Fault::Node { kind: FaultKind::Unbounded, node: 1, time }) = found else { panic!("{found:?}") };
     assert!((time - 1.0).abs() < 1e-6, "{time}");
-    // x' = 40 x grows by 1e12 in 0.69 s, and is measured in the first 0.2 s, in which it grows by 3000.
-    let unstable = vec![("x", integral(1.0, &[(40.0, 0)]))];
-    assert_fault(2.0, unstable, (FaultKind::Unbounded, "x", (1e12f64.ln() + 8.0) / 40.0));
+    // x' = exp(x) from 0 is -ln(1 - t): the rate becomes infinite, and x is still small.
+    let exponential = Operation::Function { kind: FunctionKind::Exp, argument: term(1.0, 0) };
+    let growing = vec![("x", integral(0.0, &[(1.0, 1)])), ("exp(x)", exponential)];
+    let found = outcome(2.0, NO_DRIVE, growing);
+    let Err(Fault::Node { kind: FaultKind::Unbounded, time, .. }) = found else { panic!("{found:?}") };
+    assert!((time - 1.0).abs() < 1e-6, "{time}");
+    // x' = 100 x from 1 exceeds 1e60 after ln(1e60)/100.
+    let unstable = vec![("x", integral(1.0, &[(100.0, 0)]))];
+    assert_fault(2.0, unstable, (FaultKind::TooLarge, "x", 1e60f64.ln() / 100.0));
 }
 
 #[test]
@@ -52,7 +59,30 @@ fn roots_and_logarithms_of_negative_numbers_are_named() {
     let root = falling("root", Operation::Root(sum(&[(1.0, 1)])));
     assert_fault(2.0, root, (FaultKind::NegativeRoot, "root", 1.0));
     let logarithm = Operation::Function { kind: FunctionKind::Ln, argument: term(1.0, 1) };
-    assert_fault(2.0, falling("ln", logarithm), (FaultKind::NotFinite, "ln", 1.0));
+    assert_fault(2.0, falling("ln", logarithm.clone()), (FaultKind::NegativeLogarithm, "ln", 1.0));
+    // The logarithm drives a state, which has no value from then on.
+    let mut driven = falling("ln", logarithm.clone());
+    driven.push(("x", integral(0.0, &[(1.0, 2)])));
+    assert_fault(2.0, driven, (FaultKind::NegativeLogarithm, "ln", 1.0));
+    let zero = vec![("1", Operation::One), ("x", integral(0.0, &[(1.0, 0)])), ("ln", logarithm)];
+    assert_fault(2.0, zero, (FaultKind::LogarithmOf0, "ln", 0.0));
+}
+
+#[test]
+fn a_logarithm_in_front_of_a_loop_is_named_before_the_loop() {
+    // y = ln(ramp) + y/2
+    let logarithm = Operation::Function { kind: FunctionKind::Ln, argument: term(1.0, 1) };
+    let mut nodes = falling("ln", logarithm);
+    nodes.push(("y", Operation::Sum(sum(&[(1.0, 2), (0.5, 3)]))));
+    assert_fault(2.0, nodes, (FaultKind::NegativeLogarithm, "ln", 1.0));
+}
+
+#[test]
+fn too_large_values_name_the_operation() {
+    // The exponential of 1000 is too large for a number.
+    let exponential = Operation::Function { kind: FunctionKind::Exp, argument: term(1000.0, 0) };
+    let nodes = vec![("1", Operation::One), ("exp", exponential), ("x", integral(0.0, &[(1.0, 1)]))];
+    assert_fault(2.0, nodes, (FaultKind::Unbounded, "exp", 0.0));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::plan::plan;
 use crate::testing::problem_files::{problem_files, reference};
 
 /// Largest difference of a peak, as a share of it.
-const TOLERANCE: f64 = 1e-3;
+const TOLERANCE: f64 = 2e-5;
 
 /// The differences of the peaks of a problem from those of its reference, as lines of text. Also the number of compared
 /// quantities.

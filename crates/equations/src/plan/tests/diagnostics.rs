@@ -24,17 +24,17 @@ const X: &str = r#""x": {"unit": "1", "initial": 1}"#;
 fn states_need_initial_values() {
     let fault = ["\"x\"", "x needs \"initial\"", "add \"initial\": 0, or the value of x at the start"];
     assert_fault(r#""x": {"unit": "1"}"#, r#""x' = -x""#, fault);
-    let hint = "add \"x'\" with its \"unit\" and \"initial\" to the quantities";
+    let hint = "add \"x'\": {\"unit\": \"1\", \"initial\": 0} to the quantities, with its value at the start";
     assert_fault(X, r#""x'' = -x""#, ["x''", "x' needs an initial value", hint]);
 }
 
 #[test]
 fn other_quantities_have_no_initial_values() {
     let quantities = format!(r#"{X}, "y": {{"unit": "1", "initial": 5}}"#);
-    let message = "y is no state, so it has no initial value";
-    let hint = "remove \"initial\": an equation determines y";
+    let message = "an equation determines y, so it has no initial value";
+    let hint = "remove \"initial\": only quantities whose derivative is in an equation have one";
     assert_fault(&quantities, r#""x' = -y", "y = p x""#, ["5", message, hint]);
-    let message = "x' is no state, so it has no initial value";
+    let message = "an equation determines x', so it has no initial value";
     let hint = "remove this equation: another one determines x'";
     assert_fault(X, r#""x' = -x", "x'(0) = 1""#, ["\"x'(0) = 1\"", message, hint]);
 }

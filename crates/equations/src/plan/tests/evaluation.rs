@@ -142,13 +142,12 @@ impl Evaluator<'_> {
     }
 }
 
-/// The value of a table of a problem in SI units.
+/// The value of a table of a problem in SI units. The outermost lines continue.
 fn interpolated(problem: &Problem, table: &str, at: f64) -> f64 {
     let table = &problem.tables[table];
     let at = table.input_unit.out_of_si(at);
-    let pair = table.points.windows(2).find(|pair| (pair[0][0]..=pair[1][0]).contains(&at));
-    let [[x0, y0], [x1, y1]] =
-        pair.map(|pair| [pair[0], pair[1]]).unwrap_or_else(|| panic!("{at} is outside"));
+    let after = table.points.partition_point(|point| point[0] < at).clamp(1, table.points.len() - 1);
+    let ([x0, y0], [x1, y1]) = (table.points[after - 1], table.points[after]);
     table.output_unit.to_si(y0 + (y1 - y0) / (x1 - x0) * (at - x0))
 }
 

@@ -85,6 +85,7 @@ fn powers() {
     assert_nodes("y = sqrt(1 - p x)", &["y = root(1 + -p * x)"]);
     assert_nodes("y = x^1.5", &["y = x times sqrt(x)", "sqrt(x) = root(x)"]);
     assert_nodes("y = x^p", &["y = exp(p * ln(x))", "ln(x) = ln(x)"]);
+    assert_nodes("y = p - x^p", &["y = p + -1 * x^p", "ln(x) = ln(x)", "x^p = exp(p * ln(x))"]);
 }
 
 #[test]
@@ -103,6 +104,15 @@ fn limits() {
 fn switches_and_zones() {
     assert_nodes("y = abs(p x)", &["y = p * abs(x)", "abs(x) = absolute(x)"]);
     assert_nodes("y = sign(p x)", &["y = switch(x, 1, -1)"]);
+    // This argument can stay at 0.
+    let steps = [
+        "y = step(dead_zone(x, w)) + -1 * step(-dead_zone(x, w))",
+        "dead_zone(x, w) = dead zone(x, w)",
+        "-dead_zone(x, w) = -1 * dead_zone(x, w)",
+        "step(dead_zone(x, w)) = switch(dead_zone(x, w), 1, 0)",
+        "step(-dead_zone(x, w)) = switch(-dead_zone(x, w), 1, 0)",
+    ];
+    assert_nodes("y = sign(dead_zone(x, w))", &steps);
     assert_nodes("y = step(-x)", &["y = switch(-x, 1, 0)", "-x = -1 * x"]);
     assert_nodes("y = dead_zone(x, w)", &["y = dead zone(x, w)"]);
     assert_nodes(

@@ -30,6 +30,8 @@ struct System {
     circuit: Circuit,
     plan: Plan,
     rows: Vec<BTreeMap<String, f64>>,
+    /// The times of the rows in seconds.
+    times: Vec<f64>,
     peaks: BTreeMap<String, f64>,
     /// The values of the drives at the start.
     drives: BTreeMap<String, f64>,
@@ -51,11 +53,13 @@ impl System {
                 |(name, entry): (&String, &Value)| (name.clone(), in_si(name, &entry["values"][index]));
             quantities.iter().map(value).collect()
         };
-        let rows: Vec<_> = (0..reference["times"].as_array().unwrap().len()).map(row).collect();
+        let times: Vec<f64> =
+            reference["times"].as_array().unwrap().iter().map(|time| time.as_f64().unwrap()).collect();
+        let rows: Vec<_> = (0..times.len()).map(row).collect();
         let peaks = quantities.iter().map(|(name, entry)| (name.clone(), in_si(name, &entry["peak"])));
         let peaks = peaks.collect();
         let drives = drive_values(&circuit);
-        System { name, problem, circuit, plan, rows, peaks, drives }
+        System { name, problem, circuit, plan, rows, times, peaks, drives }
     }
 
     /// A state between two rows.
@@ -64,7 +68,8 @@ impl System {
         first.iter().map(|(name, value)| (name.clone(), value + share * (second[name] - value))).collect()
     }
 
-    /// The values of all nodes at a state. Each drive differs from its value at the start by a share of its unit.
+    /// The values of all nodes at a state. Each drive differs from its value at the start by a share of its unit. The time
+    /// is this share too.
     fn values(&self, state: &BTreeMap<String, f64>, share: f64) -> (Evaluator<'_>, Vec<f64>) {
         let quantity_of = |node: NodeId| self.plan.quantities.iter().find(|planned| planned.node == node);
         let given = self.plan.ids().filter_map(|node| match &self.plan.node(node).operation {
@@ -153,7 +158,7 @@ fn algebraic_quantities_have_the_values_of_scipy() {
             continue;
         }
         for (index, row) in system.rows.iter().enumerate() {
-            let (_, values) = system.values(row, 0.0);
+            let (_, values) = system.values(row, system.times[index]);
             let is_at_switch = system.plan.nodes.iter().any(|node| match &node.operation {
                 Operation::Switch { input, .. } => values[input.0 as usize].abs() < SWITCH_TOLERANCE,
                 _ => false,

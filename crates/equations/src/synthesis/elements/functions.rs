@@ -207,8 +207,10 @@ fn check(
         return Ok(());
     }
     let name = &design.input.plan.node(id).name;
-    let volts = format_significant(volts, 4);
-    let message = format!("{noun} of {name} is {volts} V, and a function generator has {least} to {most} V");
+    let [volts, least, most_text] = [volts, least, most].map(|volts| format_significant(volts, 4));
+    let range =
+        if most.is_finite() { format!("{least} to {most_text}") } else { format!("at least {least}") };
+    let message = format!("{noun} of {name} is {volts} V, and a function generator has {range} V");
     let hint = format!("give {name} another \"maximum\"");
     Err(design.input.fault(id, message, &hint))
 }

@@ -28,7 +28,7 @@ fn a_divisor_must_not_become_0() {
 
 #[test]
 fn an_initial_value_must_be_below_100_volts() {
-    let mut sketch = sketch(3.0, r#""a": {"unit": "1", "maximum": 2}, "y": {"unit": "1"}"#);
+    let mut sketch = sketch(3.0, r#""a": {"unit": "1", "per_volt": 0.02}, "y": {"unit": "1"}"#);
     let sum = Operation::Sum(sketch.sum(&[("1", 0)]));
     sketch.node("y", "1", [3.0, 3.0], 0.0, sum);
     let faults = sketch.with_quantities().faults(&options());

@@ -181,6 +181,11 @@ fn measured_peaks_outside_50_to_95_volts_change_a_scale() {
     assert_eq!(improve(&sketch, [80.0, 60.0]), scales);
     let larger = improve(&sketch, [100.0, 60.0]).per_volt;
     assert!(larger[0] >= 1.5 * scales.per_volt[0] && larger[1] == scales.per_volt[1], "{larger:?}");
+    // In a run with an overload, the other voltages mean nothing.
+    assert_eq!(improve(&sketch, [100.0, 20.0]).per_volt[1], scales.per_volt[1]);
+    // A voltage that is far too large is not believed.
+    let after_large = improve(&sketch, [1e9, 60.0]).per_volt;
+    assert!(after_large[0] <= 10.0 * scales.per_volt[0], "{after_large:?}");
     let smaller = improve(&sketch, [80.0, 20.0]).per_volt;
     let peak = 20.0 * scales.per_volt[1] / smaller[1];
     assert!((50.0..=95.0).contains(&peak) && smaller[0] == scales.per_volt[0], "{smaller:?}");
@@ -197,6 +202,14 @@ fn a_stated_maximum_changes_after_an_overload_only() {
     let improved = improved_scales(plan, problem, circuit, ranges, &options(), &scales, &volts);
     assert_eq!(improved.per_volt[0], scales.per_volt[0]);
     assert!(improved.per_volt[1] > scales.per_volt[1], "{improved:?}");
+}
+
+#[test]
+fn a_stated_maximum_that_the_solution_exceeds_is_not_used() {
+    let stated =
+        r#""x": {"unit": "mm", "initial": 0, "maximum": 70}, "x'": {"unit": "mm/s", "maximum": 500}"#;
+    // 80 mm exceed 70 mm. 500 mm/s do not exceed 500 mm/s.
+    assert_in_mm(&oscillator(stated, 6.0, [0.08, 0.5]), [1.0, 5.0]);
 }
 
 #[test]

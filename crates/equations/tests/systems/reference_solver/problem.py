@@ -21,7 +21,7 @@ FUNCTIONS = {
 
 @dataclass(frozen=True)
 class Table:
-    """A curve of straight lines in SI units, constant before and after its points."""
+    """A curve of straight lines in SI units. The outermost lines continue, as in a function generator."""
 
     inputs: tuple
     values: tuple

@@ -203,12 +203,12 @@ class Program:
         return self._min(self._stored(self._max(x, low)), high)
 
     def _table(self, table, x):
-        """Straight lines between points: the first value, and the change of slope beyond each point."""
+        """Straight lines: the first line, and the change of slope beyond each inner point."""
         inputs, values = table.inputs, table.values
         pairs = zip(zip(inputs, values), zip(inputs[1:], values[1:]))
-        slopes = [0.0, *((y1 - y0) / (x1 - x0) for (x0, y0), (x1, y1) in pairs), 0.0]
-        terms = [repr(values[0])]
-        for point, before, after in zip(inputs, slopes, slopes[1:]):
+        slopes = [(y1 - y0) / (x1 - x0) for (x0, y0), (x1, y1) in pairs]
+        terms = [repr(values[0]), f"{slopes[0]!r} * ({x} - {inputs[0]!r})"]
+        for point, before, after in zip(inputs[1:], slopes, slopes[1:]):
             distance = f"({x} - {point!r})"
             terms.append(f"({after - before!r} * {distance} if {self._guard(distance)} else 0.0)")
         return f"({' + '.join(terms)})"

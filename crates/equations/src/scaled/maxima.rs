@@ -1,0 +1,49 @@
+//! Stated maxima that the solution exceeds.
+
+use patchcord_core::document::{Diagnostic, format_number};
+use patchcord_core::machines::REFERENCE;
+use patchcord_core::patch::{Problem, ProblemQuantity};
+
+use crate::findings::codes;
+use crate::graph::Plan;
+use crate::peaks::Ranges;
+use crate::synthesis::{ScaleOptions, exceeds_reference};
+
+/// A warning for each quantity that exceeds its stated maximum. Its scale follows from its peak.
+///
+/// # Errors
+/// A fault for each of these quantities, if the maxima are to be kept.
+pub(super) fn checked_maxima(
+    plan: &Plan,
+    problem: &Problem,
+    ranges: &Ranges,
+    options: &ScaleOptions,
+) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
+    let finding = |(name, quantity): (&String, &ProblemQuantity)| {
+        let planned = plan.quantities.iter().find(|planned| planned.name == *name)?;
+        let [low, high] = ranges.nodes[planned.node.0 as usize];
+        exceeded(name, quantity, low.abs().max(high.abs()), options.keeps_maxima)
+    };
+    let findings: Vec<Diagnostic> = problem.quantities.iter().filter_map(finding).collect();
+    if options.keeps_maxima && !findings.is_empty() { Err(findings) } else { Ok(findings) }
+}
+
+/// The diagnostic of a quantity with this peak in SI units. `None` if it does not exceed its maximum, or if its scale is
+/// prescribed.
+fn exceeded(name: &str, quantity: &ProblemQuantity, peak: f64, is_kept: bool) -> Option<Diagnostic> {
+    let maximum = quantity.maximum.as_ref().filter(|_| quantity.per_volt.is_none())?;
+    let peak = quantity.unit.out_of_si(peak);
+    if !exceeds_reference(peak, maximum.value / REFERENCE) {
+        return None;
+    }
+    let unit = if quantity.unit.text() == "1" { String::new() } else { format!(" {}", quantity.unit.text()) };
+    let [peak, stated] = [peak, maximum.value].map(format_number);
+    let message = format!("{name} reaches {peak}{unit}, and its maximum is {stated}{unit}");
+    Some(if is_kept {
+        let hint = "state a larger \"maximum\", or let the scales follow from the peaks";
+        Diagnostic::at(codes::NO_CIRCUIT, maximum.span, message).hint(hint)
+    } else {
+        let hint = "the scale follows from the peak: state a larger \"maximum\"";
+        Diagnostic::at(codes::EXCEEDED_MAXIMUM, maximum.span, message).hint(hint)
+    })
+}

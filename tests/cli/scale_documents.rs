@@ -1,0 +1,42 @@
+//! Documents of `patchcord scale`.
+
+use std::fs;
+use std::path::Path;
+
+use super::{code, errors, json, patchcord, path};
+
+#[test]
+fn a_machine_with_too_few_parts_gives_a_warning_and_a_patch() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "patch.json");
+    let problem = "crates/equations/tests/systems/projectile.json";
+    let scaled = patchcord(&["scale", problem, "--machine", "solartron-1451", "--out", &file, "--json"]);
+    assert_eq!(code(&scaled), 0, "{}", errors(&scaled));
+    assert!(errors(&scaled).contains("the patch uses 5 multipliers"), "{}", errors(&scaled));
+    let document = json(&scaled);
+    let diagnostics = document["diagnostics"].as_array().unwrap();
+    let missing: Vec<_> = diagnostics.iter().filter(|finding| finding["code"] == "missing-parts").collect();
+    assert_eq!(missing.len(), 1, "{diagnostics:?}");
+    assert_eq!(missing[0]["severity"], "warning");
+    assert!(!document["quantities"].as_array().unwrap().is_empty());
+    assert!(Path::new(&file).is_file());
+}
+
+#[test]
+fn a_prescribed_scale_that_is_too_small_is_at_its_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "decay.json");
+    let text = r#"{"patchcord": 1,
+  "parameters": {"T": {"value": 2, "unit": "s"}},
+  "quantities": {"x": {"unit": "mm", "initial": 50, "per_volt": 0.1}},
+  "equations": ["T x' = -x"],
+  "run": {"for": 10, "step": 0.01}
+}"#;
+    fs::write(&file, text).unwrap();
+    let scaled = patchcord(&["scale", &file, "--json"]);
+    assert_eq!(code(&scaled), 1, "{}", errors(&scaled));
+    let finding = &json(&scaled)["diagnostics"][0];
+    assert_eq!((finding["line"].as_u64(), finding["column"].as_u64()), (Some(3), Some(65)));
+    assert_eq!(finding["message"], "the scale of x is prescribed as 0.1 mm per volt, but x reaches 500 V");
+    assert_eq!(finding["hint"], "let 1 V represent at least 0.6 mm");
+}
