@@ -16,7 +16,7 @@ pub(super) static KIND: Kind = Kind {
     settings: &[
         Setting::required("height", SettingQuantity::Signal, "value within a pulse"),
         Setting::preset("begin", SettingQuantity::Seconds, 0.0, "time at which the first pulse begins")
-            .within(-1e9, 1e9),
+            .within(0.0, 1e9),
         Setting::required("width", SettingQuantity::Seconds, "length of a pulse; a step ends at each edge")
             .within(1e-9, 1e9),
         Setting::optional(
