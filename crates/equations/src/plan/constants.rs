@@ -93,6 +93,12 @@ impl Constants {
         self.values.value(constant)
     }
 
+    /// Whether a constant contains a parameter.
+    pub(super) fn has_parameters(&self, constant: &Fraction) -> bool {
+        let kind = |symbol| self.system.symbols.entry(symbol).kind;
+        constant.contains(&mut |symbol| matches!(kind(symbol), SymbolKind::Parameter(_)))
+    }
+
     /// Whether a constant is positive: at present, and for all permitted values of the parameters as far as its form
     /// shows.
     pub(super) fn is_positive(&self, constant: &Fraction) -> bool {

@@ -50,7 +50,7 @@ pub(super) fn patch(assembly: Assembly<'_>) -> Result<Patch, Vec<Diagnostic>> {
     for name in design.input.problem.patch.drives.keys() {
         builder = builder.drive(name, name, drive(design.input.problem, name));
     }
-    builder = with_equations(builder, design.input.problem);
+    builder = with_equations(builder, design);
     for (name, element) in assembly.into_elements() {
         builder = builder.element(&name, element);
     }
@@ -206,13 +206,26 @@ fn points<'p>(problem: &'p Problem, name: &str) -> &'p [[f64; 2]] {
 
 /// Adds the equations of the problem. Without them, a check would warn of motions that grow, so the patch then says that
 /// these are intended.
-fn with_equations(builder: PatchBuilder, problem: &Problem) -> PatchBuilder {
+fn with_equations(builder: PatchBuilder, design: &Design<'_>) -> PatchBuilder {
+    let problem = design.input.problem;
     let equations = problem.patch.equations.iter().map(|placed| &placed.value);
-    let stated: Vec<&Equation> = equations.filter(|equation| !applies_table(problem, equation)).collect();
+    let is_stated =
+        |equation: &&Equation| !applies_table(problem, equation) && !starts_solution(design, equation);
+    let stated: Vec<&Equation> = equations.filter(is_stated).collect();
     if stated.is_empty() {
         return builder.section("positive_feedback", true);
     }
     stated.into_iter().fold(builder, |builder, equation| builder.equation(equation.text()))
+}
+
+/// Whether an equation says near which value an implicit equation is solved. In a patch, only states have initial values.
+fn starts_solution(design: &Design<'_>, equation: &Equation) -> bool {
+    let Some(name) = equation.initial_quantity() else { return false };
+    let mut quantities = design.input.plan.quantities.iter();
+    let planned = quantities.find(|quantity| quantity.name == name);
+    planned.is_none_or(|quantity| {
+        !matches!(design.input.operation(quantity.node), Operation::Integral { .. })
+    })
 }
 
 /// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.
