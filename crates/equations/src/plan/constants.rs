@@ -5,11 +5,17 @@ use std::collections::{BTreeMap, HashSet};
 use patchcord_core::circuit::Circuit;
 use patchcord_expr::{Dimension, Expression, Node};
 
+use super::extent::is_short;
 use super::unknowns::Unknowns;
 use crate::compare::intended::fraction;
 use crate::derive::System;
 use crate::graph::ConstantValues;
-use crate::symbolic::{Fraction, SymbolEntry, SymbolKind, Symbols};
+use crate::symbolic::{Fraction, Rational, SymbolEntry, SymbolKind, Symbols, nearest};
+
+/// The most terms of a constant quantity, also inside functions. A larger one is computed by the machine.
+const MOST_TERMS: usize = 24;
+/// The most bits of an exact number. A longer one is a decimal.
+const MOST_BITS: u64 = 512;
 
 /// The constants with their names and present values.
 pub(super) struct Constants {
@@ -63,6 +69,7 @@ impl Constants {
             for (name, right) in &definitions {
                 if !self.named.contains_key(*name)
                     && let Some(value) = self.expression(right)
+                    && value.nested_size(MOST_TERMS + 1) <= MOST_TERMS
                 {
                     self.named.insert((*name).clone(), value);
                 }
@@ -80,12 +87,17 @@ impl Constants {
         node.names().into_iter().all(|name| self.named.contains_key(name))
     }
 
-    /// The exact value of an expression of constants. `None` if it contains another name or a table.
+    /// The exact value of an expression of constants. `None` if it contains another name or a table, or if it is too long.
     pub(super) fn expression(&self, node: &Node) -> Option<Fraction> {
-        if !self.is_constant(node) {
+        if !self.is_constant(node) || !is_short(node, &self.named) {
             return None;
         }
-        fraction(node, &mut |name| Ok(self.named.get(name).cloned().unwrap_or_default())).ok()
+        let value = fraction(node, &mut |name| Ok(self.named.get(name).cloned().unwrap_or_default())).ok()?;
+        let is_long = |number: &Rational| number.numer().bits() + number.denom().bits() > MOST_BITS;
+        match value.as_rational().filter(is_long) {
+            Some(number) => Some(Fraction::number(nearest(&number))),
+            None => Some(value),
+        }
     }
 
     /// The present value of an expression in SI units. It is not finite if the expression has no value.

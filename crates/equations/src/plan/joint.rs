@@ -34,7 +34,8 @@ pub(super) enum Joint {
 pub(super) fn coupled(pairs: &[(&Equation, &str)], constants: &Constants) -> Vec<Vec<usize>> {
     let owners: HashMap<&str, usize> =
         pairs.iter().enumerate().map(|(index, (_, unknown))| (*unknown, index)).collect();
-    let is_constant = |equation: &Equation, name: &str| how(equation, name, constants) == Occurrence::Constant;
+    let is_constant =
+        |equation: &Equation, name: &str| how(equation, name, constants) == Occurrence::Constant;
     let mut graph = DiGraph::<usize, ()>::new();
     let nodes: Vec<_> = (0..pairs.len()).map(|index| graph.add_node(index)).collect();
     for (index, (equation, own)) in pairs.iter().enumerate() {

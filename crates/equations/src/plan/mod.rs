@@ -10,6 +10,7 @@ mod angles;
 mod builder;
 mod constants;
 mod expressions;
+mod extent;
 mod finish;
 mod functions;
 mod initial;

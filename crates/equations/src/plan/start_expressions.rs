@@ -10,9 +10,7 @@ use patchcord_expr::{Dimension, Function};
 
 use super::constants::Constants;
 use crate::graph::{Node, NodeId, Operation, Sum, Term};
-use crate::symbolic::{
-    Atom, CallOrder, Fraction, Operation as Applied, Polynomial, absolute, call, root,
-};
+use crate::symbolic::{Atom, CallOrder, Fraction, Operation as Applied, Polynomial, absolute, call, root};
 use crate::writing::Writer;
 
 /// Steps from a node to a state at most.
@@ -142,7 +140,9 @@ impl<'a> StartExpressions<'a> {
             Operation::Root(sum) => root(&self.sum(sum, steps)?),
             Operation::Absolute(input) => absolute(&self.value(*input, steps)?),
             Operation::Lower([first, second]) => self.term(first, steps)?.minimum(&self.term(second, steps)?),
-            Operation::Higher([first, second]) => self.term(first, steps)?.maximum(&self.term(second, steps)?),
+            Operation::Higher([first, second]) => {
+                self.term(first, steps)?.maximum(&self.term(second, steps)?)
+            }
             Operation::Switch { input, at_least_0, below_0 } => {
                 let sign = self.sign(*input, steps)?;
                 let [sum, difference] = [at_least_0.plus(below_0), at_least_0.minus(below_0)];
