@@ -262,6 +262,7 @@ impl<'a> Design<'a> {
             // Parameters that the coefficient and the scales have in common cancel.
             most: expressions.largest(&ratio) / time_scale,
             is_fixed: !is_parametric,
+            is_unbounded: expressions.has_unbounded_parameters(&ratio),
         };
         let route = choose(&in_volts).ok_or(in_volts.value)?;
         let product = Product::one()

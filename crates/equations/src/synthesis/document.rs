@@ -223,9 +223,8 @@ fn starts_solution(design: &Design<'_>, equation: &Equation) -> bool {
     let Some(name) = equation.initial_quantity() else { return false };
     let mut quantities = design.input.plan.quantities.iter();
     let planned = quantities.find(|quantity| quantity.name == name);
-    planned.is_none_or(|quantity| {
-        !matches!(design.input.operation(quantity.node), Operation::Integral { .. })
-    })
+    planned
+        .is_none_or(|quantity| !matches!(design.input.operation(quantity.node), Operation::Integral { .. }))
 }
 
 /// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.

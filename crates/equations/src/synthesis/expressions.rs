@@ -51,6 +51,14 @@ impl<'a> Expressions<'a> {
         expression.contains(&mut |symbol| matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_)))
     }
 
+    /// Whether an expression contains a parameter without a range.
+    pub(super) fn has_unbounded_parameters(&self, expression: &Fraction) -> bool {
+        expression.contains(&mut |symbol| {
+            let is_parameter = matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_));
+            is_parameter && self.range(symbol).is_none()
+        })
+    }
+
     /// The largest magnitude of an expression at the present values of its parameters and at the bounds of their ranges.
     pub(super) fn largest(&self, expression: &Fraction) -> f64 {
         let corners = self.corners(expression, &|symbol| self.range(symbol));
@@ -116,10 +124,7 @@ impl<'a> Expressions<'a> {
 }
 
 /// The ranges of the symbols of an expression that have one.
-fn ranges(
-    expression: &Fraction,
-    range: &dyn Fn(Symbol) -> Option<[f64; 2]>,
-) -> Vec<(Symbol, [f64; 2])> {
+fn ranges(expression: &Fraction, range: &dyn Fn(Symbol) -> Option<[f64; 2]>) -> Vec<(Symbol, [f64; 2])> {
     let mut ranges: Vec<(Symbol, [f64; 2])> = Vec::new();
     expression.contains(&mut |symbol| {
         let is_new = ranges.len() < MOST_VARIED && ranges.iter().all(|(known, _)| *known != symbol);

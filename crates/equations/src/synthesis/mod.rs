@@ -136,7 +136,8 @@ fn check_angles(input: &Input<'_>, wide: Vec<(NodeId, f64)>) -> Result<(), Vec<D
     let fault = |(id, width): (NodeId, f64)| {
         let name = &input.plan.node(id).name;
         let width = format_significant(width, 3);
-        let message = format!("the angle {name} turns through {width} rad, and no amplifier finds half a turn");
+        let message =
+            format!("the angle {name} turns through {width} rad, and no amplifier finds half a turn");
         let hint = "integrate its derivative: that of atan2(y, x) is (x y' - y x')/(x^2 + y^2)";
         input.fault(id, message, hint)
     };
