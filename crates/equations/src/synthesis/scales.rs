@@ -54,7 +54,8 @@ pub(crate) fn choose_scales(
 /// Chooses new scales for the nodes whose measured peaks are below 50 V or above 95 V.
 ///
 /// `volts` has the largest magnitudes of outputs in a run of the synthesised patch, by node. A scale that the problem
-/// prescribes is only changed after an overload, and with `keeps_maxima` also that of a stated maximum. The result equals `scales` if nothing can be improved.
+/// prescribes is only changed after an overload, and with `keeps_maxima` also that of a stated maximum. The result equals
+/// `scales` if nothing can be improved.
 pub(crate) fn improved_scales(
     plan: &Plan,
     problem: &Problem,
