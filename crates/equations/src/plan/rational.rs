@@ -173,7 +173,7 @@ impl Builder<'_> {
         }
         let degree = powers.len();
         if lower.iter().all(|factor| factor.terms.is_empty()) {
-            let power = self.ratio(&[first.negated()], &[highest.clone()]);
+            let power = self.ratio(&[first.negated()], std::slice::from_ref(highest));
             return if degree == 1 { Some(power) } else { self.even_root(power, degree, start) };
         }
         let [linear] = lower else { return None };

@@ -137,7 +137,7 @@ fn check_angles(input: &Input<'_>, wide: Vec<(NodeId, f64)>) -> Result<(), Vec<D
         let name = &input.plan.node(id).name;
         let width = format_significant(width, 3);
         let message =
-            format!("the angle {name} turns through {width} rad, and no amplifier finds half a turn");
+            format!("the angle {name} turns through {width} rad, and an open amplifier finds less than pi");
         let hint = "integrate its derivative: that of atan2(y, x) is (x y' - y x')/(x^2 + y^2)";
         input.fault(id, message, hint)
     };
