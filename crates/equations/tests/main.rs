@@ -11,6 +11,7 @@ mod files;
 mod implicit;
 mod listing;
 mod mistakes;
+mod parameters;
 mod problem_files;
 mod round_trip;
 mod scale;

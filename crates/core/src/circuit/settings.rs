@@ -21,7 +21,7 @@ use crate::document::{
 };
 use crate::elements::{REFERENCES, Setting, SettingDefault, SettingQuantity, Transfer};
 use crate::machines::REFERENCE;
-use crate::patch::{Amount, ElementEntry, Patch};
+use crate::patch::{Amount, ElementEntry, Patch, is_time};
 use patchcord_expr::{Dimension, Formula, FormulaDimension, Unit};
 
 pub use ranges::{RangeCheck, RangeFault};
@@ -249,7 +249,7 @@ impl SettingChecker<'_> {
                 found.is_dimensionless() || (self.before_integrator && found == Dimension::FREQUENCY)
             }
             SettingQuantity::Volts => found.is_dimensionless() || found == Dimension::VOLTAGE,
-            SettingQuantity::MachineSeconds | SettingQuantity::Seconds => found == Dimension::TIME,
+            SettingQuantity::MachineSeconds | SettingQuantity::Seconds => is_time(self.patch, found),
             SettingQuantity::Hertz => found == Dimension::FREQUENCY,
             SettingQuantity::RadiansPerVolt => {
                 found.is_dimensionless() || found == Dimension::NONE.over(Dimension::VOLTAGE)

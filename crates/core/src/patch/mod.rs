@@ -48,4 +48,4 @@ pub use picture_entry::PictureEntry;
 pub use problem::{Problem, ProblemQuantity, ProblemTable};
 pub use schema::json_schema;
 pub use table_file::{time_order_hint, unreadable_unit};
-pub(crate) use time_units::is_time_dimensionless;
+pub(crate) use time_units::{is_time, is_time_dimensionless};

@@ -12,3 +12,8 @@ pub(crate) fn is_time_dimensionless(patch: &Patch) -> bool {
     let mut dimensions = of_parameters.chain(of_scales).map(|unit| unit.dimension());
     !dimensions.any(|dimension| dimension.contains_time() && dimension != Dimension::VOLTAGE)
 }
+
+/// Whether a dimension is that of a time in the formulas of a patch. If times count as pure numbers, a pure number is one.
+pub(crate) fn is_time(patch: &Patch, dimension: Dimension) -> bool {
+    dimension == Dimension::TIME || (dimension.is_dimensionless() && is_time_dimensionless(patch))
+}

@@ -73,8 +73,8 @@ impl<'a> Evaluator<'a> {
         self.evaluate_with(time, states, |open| open.search())
     }
 
-    /// The same, but loops are only solved from the stated values, and from 0 if a value is not stated. The sum of an
-    /// equation can fall with its unknown.
+    /// The same, but the sum of an equation can fall with its unknown. If a value is stated, the solution is sought near it
+    /// only.
     ///
     /// # Errors
     /// If a loop has no solution near the stated values.

@@ -47,24 +47,34 @@ impl OpenLoop<'_> {
         is_solved
     }
 
-    /// Solves the loop from the known starts, with 0 for the other tears. Returns false if there is no solution near
-    /// them.
+    /// Solves the loop from the known starts, with 0 for the other tears. If no start is known and there is no solution
+    /// near 0, several starts are tried. Returns false if none leads to a solution. It need not be stable.
     pub(super) fn approach(&mut self) -> bool {
         self.set_starts();
-        self.follow()
+        self.follow() || (!self.has_start() && self.follow_nearest(|_| true))
     }
 
     /// Solves the loop from the known starts. If there are none, or the solution near them is not stable, several starts
     /// are tried, and the solution nearest to 0 is taken. Returns false if none is found.
     pub(super) fn search(&mut self) -> bool {
-        if self.entry.tears.iter().any(|tear| self.starts[*tear].is_some()) {
+        if self.has_start() {
             self.set_starts();
             if self.solve() && self.is_stable() {
                 return self.follow();
             }
         }
+        self.follow_nearest(Self::is_stable)
+    }
+
+    /// Whether the start of a tear is known.
+    fn has_start(&self) -> bool {
+        self.entry.tears.iter().any(|tear| self.starts[*tear].is_some())
+    }
+
+    /// Tries several starts, and takes the solution nearest to 0 that is permitted. Returns false if none is found.
+    fn follow_nearest(&mut self, is_permitted: fn(&mut Self) -> bool) -> bool {
         for size in SIZES {
-            let found = STARTS.iter().filter_map(|start| self.solution_from(start * size));
+            let found = STARTS.iter().filter_map(|start| self.solution_from(start * size, is_permitted));
             let Some(nearest) = found.min_by(|one, other| one.amax().total_cmp(&other.amax())) else {
                 continue;
             };
@@ -74,12 +84,12 @@ impl OpenLoop<'_> {
         false
     }
 
-    /// The solution that is found from tears of this many sizes.
-    fn solution_from(&mut self, start: f64) -> Option<DVector<f64>> {
+    /// The permitted solution that is found from tears of this many sizes.
+    fn solution_from(&mut self, start: f64, is_permitted: fn(&mut Self) -> bool) -> Option<DVector<f64>> {
         let size = |tear: &usize| if self.sizes[*tear] > 0.0 { self.sizes[*tear] } else { 1.0 };
         let starts = self.entry.tears.iter().map(|tear| start * size(tear)).collect();
         self.set_tears(&DVector::from_vec(starts));
-        (self.solve() && self.is_stable()).then(|| self.tears())
+        (self.solve() && is_permitted(self)).then(|| self.tears())
     }
 
     /// Whether an open amplifier keeps the present solution: the sum of a single equation rises with its unknown.

@@ -3,7 +3,9 @@
 use patchcord_core::circuit::Circuit;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 
-use crate::graph::{Operation, Plan, PlannedQuantity};
+use crate::compare::intended::fraction;
+use crate::graph::{ConstantValues, Operation, Plan, PlannedQuantity};
+use crate::symbolic::Fraction;
 
 /// What is stated about each node, in SI units.
 #[derive(Debug, Clone)]
@@ -38,17 +40,28 @@ impl Stated {
         let count = plan.nodes.len();
         let mut stated = Stated { sizes: vec![0.0; count], starts: vec![None; count] };
         for PlannedQuantity { name, node } in &plan.quantities {
-            let Some(quantity) = problem.quantities.get(name) else { continue };
+            let quantity = problem.quantities.get(name);
             let index = node.0 as usize;
-            if let Some(size) = size(quantity) {
+            if let Some(size) = quantity.and_then(size) {
                 stated.sizes[index] = size;
             }
             if !matches!(plan.node(*node).operation, Operation::Integral { .. }) {
                 // A fault of an initial value has been reported with the circuit.
-                let initial = quantity.initial_in_si(circuit.quantities()).ok().flatten();
-                stated.starts[index] = stated.starts[index].or(initial);
+                let declared =
+                    quantity.and_then(|quantity| quantity.initial_in_si(circuit.quantities()).ok().flatten());
+                let start = declared.or_else(|| initial_of_equation(plan, circuit, name));
+                stated.starts[index] = stated.starts[index].or(start);
             }
         }
         stated
     }
+}
+
+/// The initial value that an equation such as `y(0) = y0` states, in SI units. `None` if there is no such equation.
+fn initial_of_equation(plan: &Plan, circuit: &Circuit, quantity: &str) -> Option<f64> {
+    let mut equations = circuit.equations().iter().map(|placed| &placed.value);
+    let equation = equations.find(|equation| equation.initial_quantity() == Some(quantity))?;
+    let symbol = |name: &str| plan.symbols.find(name, 0).map(Fraction::symbol).unwrap_or_default();
+    let value = fraction(equation.right(), &mut |name| Ok(symbol(name))).ok()?;
+    Some(ConstantValues::new(&plan.symbols, circuit).value(&value)).filter(|value| value.is_finite())
 }

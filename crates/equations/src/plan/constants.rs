@@ -3,13 +3,21 @@
 use std::collections::{BTreeMap, HashSet};
 
 use patchcord_core::circuit::Circuit;
-use patchcord_expr::{Dimension, Expression, Node};
+use patchcord_expr::{Dimension, Expression, Function, Node};
 
+use super::extent::is_short;
 use super::unknowns::Unknowns;
 use crate::compare::intended::fraction;
 use crate::derive::System;
 use crate::graph::ConstantValues;
-use crate::symbolic::{Fraction, SymbolEntry, SymbolKind, Symbols};
+use crate::symbolic::{
+    CallOrder, Fraction, Operation, Rational, SymbolEntry, SymbolKind, Symbols, nearest, opaque,
+};
+
+/// The most terms of a constant in a formula, also inside functions. A larger one is computed by the machine.
+const MOST_TERMS: usize = 24;
+/// The most bits of an exact number. A longer one is a decimal.
+const MOST_BITS: u64 = 512;
 
 /// The constants with their names and present values.
 pub(super) struct Constants {
@@ -63,6 +71,7 @@ impl Constants {
             for (name, right) in &definitions {
                 if !self.named.contains_key(*name)
                     && let Some(value) = self.expression(right)
+                    && is_readable(&value)
                 {
                     self.named.insert((*name).clone(), value);
                 }
@@ -80,12 +89,26 @@ impl Constants {
         node.names().into_iter().all(|name| self.named.contains_key(name))
     }
 
-    /// The exact value of an expression of constants. `None` if it contains another name or a table.
+    /// The exact value of an expression of constants. `None` if it contains another name or a table, or if it is too long.
+    ///
+    /// If it would be too long multiplied out, the values of its names stay as they are.
     pub(super) fn expression(&self, node: &Node) -> Option<Fraction> {
         if !self.is_constant(node) {
             return None;
         }
-        fraction(node, &mut |name| Ok(self.named.get(name).cloned().unwrap_or_default())).ok()
+        let named = |name: &str| self.named.get(name).cloned().unwrap_or_default();
+        let value = if is_short(node, &self.named) {
+            fraction(node, &mut |name| Ok(named(name))).ok()?
+        } else if is_short(node, &BTreeMap::new()) {
+            fraction(node, &mut |name| Ok(kept_together(named(name)))).ok()?
+        } else {
+            return None;
+        };
+        let is_long = |number: &Rational| number.numer().bits() + number.denom().bits() > MOST_BITS;
+        match value.as_rational().filter(is_long) {
+            Some(number) => Some(Fraction::number(nearest(&number))),
+            None => Some(value),
+        }
     }
 
     /// The present value of an expression in SI units. It is not finite if the expression has no value.
@@ -93,9 +116,28 @@ impl Constants {
         self.values.value(constant)
     }
 
+    /// Whether a constant contains a parameter.
+    pub(super) fn has_parameters(&self, constant: &Fraction) -> bool {
+        let kind = |symbol| self.system.symbols.entry(symbol).kind;
+        constant.contains(&mut |symbol| matches!(kind(symbol), SymbolKind::Parameter(_)))
+    }
+
     /// Whether a constant is positive: at present, and for all permitted values of the parameters as far as its form
     /// shows.
     pub(super) fn is_positive(&self, constant: &Fraction) -> bool {
         constant.is_nonnegative() && self.value(constant) > 0.0
     }
+}
+
+/// Whether a constant is short enough for the formula of a pot.
+pub(super) fn is_readable(constant: &Fraction) -> bool {
+    constant.nested_size(MOST_TERMS + 1) <= MOST_TERMS
+}
+
+/// An expression as one factor, which is not multiplied out: its power with the exponent 1.
+fn kept_together(value: Fraction) -> Fraction {
+    if value.as_rational().is_some() {
+        return value;
+    }
+    opaque(Operation::Call(CallOrder(Function::Power)), vec![value, Fraction::whole(1)])
 }

@@ -12,6 +12,7 @@ use super::builder::Entry;
 use super::constants::Constants;
 use super::signs::split_signs;
 use super::simplify::{Simplified, simplified};
+use super::start_expressions::StartExpressions;
 use crate::graph::{Node, NodeId, Operation, Plan, PlannedQuantity, Sum};
 use crate::peaks::{StartError, StartValues, start_values};
 use crate::positions::quantity_span;
@@ -35,9 +36,6 @@ pub(super) struct Draft<'a> {
     pub angles: BTreeMap<[Sum; 2], NodeId>,
 }
 
-/// Steps from a delayed node to a state at most, for an initial value that is an expression of parameters.
-const MOST_STEPS: usize = 3;
-
 impl Draft<'_> {
     /// The finished plan.
     ///
@@ -57,14 +55,34 @@ impl Draft<'_> {
         });
         let (symbols, quantities) = (self.constants.system.symbols.clone(), quantities.collect());
         let mut plan = Plan { symbols, nodes: joined.nodes, quantities };
-        if set_constant_delays(&mut plan.nodes) || has_implicit(&plan.nodes, &angles) {
+        let remaining = self.set_stated_delays(&mut plan.nodes);
+        if !remaining.is_empty() || has_implicit(&plan.nodes, &angles) {
             let start = start_values(&plan, self.problem, self.circuit, &angles);
             let start = start.map_err(|error| vec![self.without_start(&plan.nodes, &equations, error)])?;
             orient(&mut plan.nodes, &start)
                 .map_err(|node| vec![self.unsolved(&plan.nodes, &equations, node)])?;
-            set_other_delays(&mut plan.nodes, &start).map_err(|name| vec![infinite(self.problem, &name)])?;
+            set_delays(&mut plan.nodes, &remaining, &start)
+                .map_err(|name| vec![infinite(self.problem, &name)])?;
         }
         Ok(plan)
+    }
+
+    /// Sets the initial values of delays that are expressions of parameters. Returns the indices of the other delays.
+    fn set_stated_delays(&self, nodes: &mut [Node]) -> Vec<usize> {
+        let mut expressions = StartExpressions::new(nodes, self.constants, self.circuit);
+        let value = |(index, node): (usize, &Node)| match node.operation {
+            Operation::Delay { input, .. } => Some((index, expressions.of(input))),
+            _ => None,
+        };
+        let values: Vec<(usize, Option<Fraction>)> = nodes.iter().enumerate().filter_map(value).collect();
+        let mut remaining = Vec::new();
+        for (index, value) in values {
+            match (&mut nodes[index].operation, value) {
+                (Operation::Delay { initial, .. }, Some(value)) => *initial = value,
+                _ => remaining.push(index),
+            }
+        }
+        remaining
     }
 
     /// The angles among the joined nodes.
@@ -130,39 +148,6 @@ fn has_implicit(nodes: &[Node], angles: &BTreeMap<NodeId, [Sum; 2]>) -> bool {
     all.any(|(node, own)| matches!(own.operation, Operation::Zero(_)) && !angles.contains_key(&node))
 }
 
-/// Sets the initial values of delays of states, and of sums and products of states, as expressions of parameters.
-/// Returns whether other delays remain.
-fn set_constant_delays(nodes: &mut [Node]) -> bool {
-    let mut others_remain = false;
-    for index in 0..nodes.len() {
-        let Operation::Delay { input, .. } = &nodes[index].operation else { continue };
-        let value = at_start(nodes, *input, MOST_STEPS);
-        others_remain |= value.is_none();
-        if let (Operation::Delay { initial, .. }, Some(value)) = (&mut nodes[index].operation, value) {
-            *initial = value;
-        }
-    }
-    others_remain
-}
-
-/// The value of a node at the start as an expression of parameters. `None` if it is no sum or product of states.
-fn at_start(nodes: &[Node], node: NodeId, steps: usize) -> Option<Fraction> {
-    let steps = steps.checked_sub(1)?;
-    let of = |node: &NodeId| at_start(nodes, *node, steps);
-    match &nodes[node.0 as usize].operation {
-        Operation::One => Some(Fraction::whole(1)),
-        Operation::Integral { initial, .. } => Some(initial.clone()),
-        Operation::Product([left, right]) => Some(of(left)?.times(&of(right)?)),
-        Operation::Sum(sum) => {
-            let mut terms = sum.terms.iter();
-            terms.try_fold(Fraction::zero(), |value, (node, factor)| {
-                Some(value.plus(&factor.times(&of(node)?)))
-            })
-        }
-        _ => None,
-    }
-}
-
 /// Sets the sign of implicit equations, so that each sum rises with its own node.
 ///
 /// # Errors
@@ -178,21 +163,18 @@ fn orient(nodes: &mut [Node], start: &StartValues) -> Result<(), NodeId> {
     Ok(())
 }
 
-/// Sets the initial values of delays that are no expressions of parameters.
+/// Sets the initial values of the delays with these indices, which are no expressions of parameters.
 ///
 /// # Errors
 /// The name of a delayed node whose value at the start is not finite.
-fn set_other_delays(nodes: &mut [Node], start: &StartValues) -> Result<(), String> {
-    for index in 0..nodes.len() {
-        let Operation::Delay { input, .. } = nodes[index].operation else { continue };
-        if at_start(nodes, input, MOST_STEPS).is_some() {
-            continue;
-        }
+fn set_delays(nodes: &mut [Node], delays: &[usize], start: &StartValues) -> Result<(), String> {
+    for index in delays {
+        let Operation::Delay { input, .. } = nodes[*index].operation else { continue };
         let value = start.values[input.0 as usize];
         if !value.is_finite() {
             return Err(nodes[input.0 as usize].name.clone());
         }
-        if let Operation::Delay { initial, .. } = &mut nodes[index].operation {
+        if let Operation::Delay { initial, .. } = &mut nodes[*index].operation {
             *initial = Fraction::number(value);
         }
     }

@@ -205,7 +205,9 @@ impl Builder<'_> {
     /// A sum between two bounds. At least one of the three varies.
     fn limit(&mut self, argument: &Sum, lower: &Sum, upper: &Sum) -> Sum {
         match [argument, lower, upper].map(Sum::as_constant) {
-            [None, Some(lower), Some(upper)] => self.limited(argument, Some(lower), Some(upper)),
+            [None, Some(lower), Some(upper)] if self.is_below(&lower, &upper) => {
+                self.limited(argument, Some(lower), Some(upper))
+            }
             [Some(value), Some(low), None] => self.minimum(&Sum::constant(&value.maximum(&low)), upper),
             _ => {
                 let raised = self.maximum(argument, lower);
@@ -214,16 +216,24 @@ impl Builder<'_> {
         }
     }
 
-    /// A varying sum with constant bounds. The upper bound of a node with a lower bound belongs to the same node.
+    /// A varying sum with constant bounds. The upper bound of a node with a lower bound belongs to the same node, if it is
+    /// the larger one. A limiter has no other bounds.
     fn limited(&mut self, sum: &Sum, lower: Option<Fraction>, upper: Option<Fraction>) -> Sum {
         let bounded = sum.as_node().and_then(|node| self.entry(node).operation.clone());
-        let operation = match bounded {
-            Some(Operation::Limited { sum, lower: Some(inner), upper: None }) if lower.is_none() => {
-                Operation::Limited { sum, lower: Some(inner), upper }
+        let operation = match (bounded, lower, upper) {
+            (Some(Operation::Limited { sum, lower: Some(inner), upper: None }), None, Some(upper))
+                if self.is_below(&inner, &upper) =>
+            {
+                Operation::Limited { sum, lower: Some(inner), upper: Some(upper) }
             }
-            _ => Operation::Limited { sum: sum.clone(), lower, upper },
+            (_, lower, upper) => Operation::Limited { sum: sum.clone(), lower, upper },
         };
         Sum::node(self.add(operation))
+    }
+
+    /// Whether a constant is below another one at present.
+    fn is_below(&self, lower: &Fraction, upper: &Fraction) -> bool {
+        self.constants.value(lower) < self.constants.value(upper)
     }
 
     /// Two varying sums with positive constant factors, in ascending order.
@@ -265,9 +275,13 @@ impl Builder<'_> {
         Sum::term(&coefficient, self.add(Operation::DeadZone { input: node, width }))
     }
 
-    /// A table of the problem.
+    /// A table of the problem. The points of a function generator are numbers, so parameters of the argument are in front
+    /// of it.
     fn curve(&mut self, table: &str, argument: &Sum) -> Sum {
-        let input = self.factored(argument);
+        let mut input = self.factored(argument);
+        if self.constants.has_parameters(&input.coefficient) {
+            input = Term { coefficient: Fraction::whole(1), node: self.node_of(argument) };
+        }
         Sum::node(self.add(Operation::Curve { table: table.to_owned(), input }))
     }
 }

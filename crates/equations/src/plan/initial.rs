@@ -24,36 +24,36 @@ pub(super) struct InitialValues<'a> {
 
 impl InitialValues<'_> {
     /// The initial value of every state, by its name. Also the faults: states without an initial value, and initial
-    /// values of other quantities. An algebraic quantity in `implicit` can have one: its solution is sought near it.
-    pub(super) fn of_states(
+    /// values of other quantities. A quantity in `implicit` can have one: its solution is sought near it.
+    pub(super) fn all(
         &self,
         unknowns: &Unknowns,
         implicit: &[&str],
     ) -> (BTreeMap<String, Fraction>, Vec<Diagnostic>) {
         let (mut values, mut faults) = (BTreeMap::new(), self.superfluous(unknowns, implicit));
+        let mut keep = |name: String, value: Result<Fraction, Diagnostic>| match value {
+            Ok(value) => drop(values.insert(name, value)),
+            Err(fault) => faults.push(fault),
+        };
         for unknown in &unknowns.all {
             for primes in 0..unknown.order {
                 let name = primed(&unknown.base, primes);
-                match self.of_state(unknown, &name) {
-                    Ok(value) => {
-                        values.insert(name, value);
-                    }
-                    Err(fault) => faults.push(fault),
-                }
+                let value = self.stated(&name).unwrap_or_else(|| Err(self.missing(unknown, &name)));
+                keep(name, value);
+            }
+        }
+        for name in implicit {
+            if let Some(value) = self.stated(name) {
+                keep((*name).to_owned(), value);
             }
         }
         (values, faults)
     }
 
-    /// The initial value of a state.
-    fn of_state(&self, unknown: &Unknown, name: &str) -> Result<Fraction, Diagnostic> {
-        let quantity = self.problem.quantities.get(name);
-        let declared = quantity.and_then(|quantity| self.declared(quantity));
-        match (declared, self.equation(name)) {
-            (Some(value), _) => value,
-            (None, Some(placed)) => self.value(placed, placed.value.right()),
-            (None, None) => Err(self.missing(unknown, name, quantity)),
-        }
+    /// The initial value that the problem states for a quantity. `None` if it states none.
+    fn stated(&self, name: &str) -> Option<Result<Fraction, Diagnostic>> {
+        let declared = self.problem.quantities.get(name).and_then(|quantity| self.declared(quantity));
+        declared.or_else(|| self.equation(name).map(|placed| self.value(placed, placed.value.right())))
     }
 
     /// The value of the key "initial". `None` if the quantity does not have it.
@@ -86,8 +86,8 @@ impl InitialValues<'_> {
     }
 
     /// The fault of a state without an initial value: at its declaration, or at its highest derivative.
-    fn missing(&self, unknown: &Unknown, name: &str, quantity: Option<&ProblemQuantity>) -> Diagnostic {
-        if let Some(quantity) = quantity {
+    fn missing(&self, unknown: &Unknown, name: &str) -> Diagnostic {
+        if let Some(quantity) = self.problem.quantities.get(name) {
             let message = format!("{name} needs \"initial\"");
             let hint = format!("add \"initial\": 0, or the value of {name} at the start");
             return Diagnostic::at(Code::MISSING_KEY, quantity.span, message).hint(hint);
@@ -122,12 +122,12 @@ impl InitialValues<'_> {
     fn superfluous(&self, unknowns: &Unknowns, implicit: &[&str]) -> Vec<Diagnostic> {
         let is_state =
             |name: &str| unknowns.of(name).is_some_and(|unknown| split_primes(name).1 < unknown.order);
+        let can_start = |name: &str| is_state(name) || implicit.contains(&name);
         let message = |name: &str| format!("an equation determines {name}, so it has no initial value");
         let mut findings = Vec::new();
         for (name, quantity) in &self.problem.quantities {
             if let Some(initial) = &quantity.initial
-                && !is_state(name)
-                && !implicit.contains(&name.as_str())
+                && !can_start(name)
             {
                 let hint = "remove \"initial\": only quantities whose derivative is in an equation have one";
                 findings.push(Diagnostic::at(Code::BAD_FORMULA, initial.span, message(name)).hint(hint));
@@ -135,7 +135,7 @@ impl InitialValues<'_> {
         }
         for placed in self.circuit.equations() {
             if let Some(name) = placed.value.initial_quantity()
-                && !is_state(name)
+                && !can_start(name)
             {
                 let hint = format!("remove this equation: another one determines {name}");
                 findings.push(Diagnostic::at(Code::BAD_FORMULA, placed.span, message(name)).hint(hint));

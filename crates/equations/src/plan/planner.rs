@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Code, Diagnostic, Placed, formula_diagnostic};
 use patchcord_core::patch::Problem;
-use patchcord_expr::Equation;
+use patchcord_expr::{Equation, FormulaError};
 
 use super::builder::{Builder, NameKind};
 use super::constants::Constants;
 use super::expressions::Reader;
 use super::finish::Draft;
 use super::initial::InitialValues;
+use super::joint::{Joint, coupled, solved_together, without};
 use super::matching::{Matching, matched};
 use super::trees::{Occurrence, occurrences};
 use super::undetermined::faults;
@@ -36,12 +37,12 @@ pub(crate) fn plan(problem: &Problem, circuit: &Circuit) -> Result<Plan, Vec<Dia
     let implicit: Vec<&str> =
         laws.iter().filter(|law| law.is_implicit).map(|law| law.name.as_str()).collect();
     let initial = InitialValues { problem, circuit, constants: &constants };
-    let (initials, findings) = initial.of_states(&unknowns, &implicit);
+    let (initials, findings) = initial.all(&unknowns, &implicit);
     refuse(findings)?;
     let builder = Builder::new(problem, circuit, &constants);
     let mut planner = Planner { problem, circuit, builder, names: BTreeMap::new() };
     planner.reserve_all(&unknowns, &laws);
-    let rates = planner.read(&laws)?;
+    let rates = planner.read(&laws, &initials)?;
     planner.integrate(&unknowns, &initials, &rates);
     planner.draft(&unknowns, &laws).finished()
 }
@@ -131,28 +132,33 @@ impl<'a> Planner<'a> {
         self.names.insert(name, node);
     }
 
-    /// Reads the equations. Returns the highest derivative of each state, by the name of the derivative.
+    /// Reads the equations. Returns the highest derivative of each state, by the name of the derivative. `starts` has the
+    /// values near which implicit equations are solved.
     ///
     /// # Errors
     /// All expressions that no elements compute.
-    fn read(&mut self, laws: &[Law<'_>]) -> Result<BTreeMap<String, Sum>, Vec<Diagnostic>> {
-        let (mut rates, mut findings) = (BTreeMap::new(), Vec::new());
+    fn read(
+        &mut self,
+        laws: &[Law<'_>],
+        starts: &BTreeMap<String, Fraction>,
+    ) -> Result<BTreeMap<String, Sum>, Vec<Diagnostic>> {
+        let (mut rates, mut findings) = (self.joint_solutions(laws)?, Vec::new());
         for law in laws {
             // A constant that only equations name has no node.
-            if law.unknown.order == 0 && !self.names.contains_key(&law.name) {
+            let has_no_node = law.unknown.order == 0 && !self.names.contains_key(&law.name);
+            if has_no_node || rates.contains_key(&law.name) {
                 continue;
             }
             let circuit = self.circuit;
             let placed = &circuit.equations()[law.equation];
-            let text = placed.value.text();
-            let mut reader = Reader { builder: &mut self.builder, names: &self.names, text };
-            let value = match law.is_implicit {
-                true => reader.implicit_solution(&placed.value, &law.name),
-                false => reader.linear_solution(&placed.value, &law.name),
+            let mut reader = self.reader(placed.value.text());
+            let operation = match law.is_implicit {
+                true => reader.implicit_solution(&placed.value, &law.name, starts.get(&law.name)),
+                false => reader.linear_solution(&placed.value, &law.name).map(Operation::Sum),
             };
-            match value {
-                Ok(value) => {
-                    let value = self.define(law, value);
+            match operation {
+                Ok(operation) => {
+                    let value = self.define(law, operation);
                     rates.insert(law.name.clone(), value);
                 }
                 Err(error) => findings.push(formula_diagnostic(Code::BAD_FORMULA, placed, error)),
@@ -162,12 +168,89 @@ impl<'a> Planner<'a> {
         Ok(rates)
     }
 
+    /// Reads the expressions of an equation with this text.
+    fn reader(&mut self, text: &'a str) -> Reader<'_, 'a> {
+        Reader { builder: &mut self.builder, names: &self.names, text }
+    }
+
+    /// Solves the equations that share their unknowns with constant factors. Returns the values of these unknowns, by
+    /// name.
+    ///
+    /// # Errors
+    /// Equations that do not determine their unknowns.
+    fn joint_solutions(&mut self, laws: &[Law<'_>]) -> Result<BTreeMap<String, Sum>, Vec<Diagnostic>> {
+        let equations = self.circuit.equations();
+        let pairs: Vec<(&Equation, &str)> =
+            laws.iter().map(|law| (&equations[law.equation].value, law.name.as_str())).collect();
+        let (mut values, mut findings) = (BTreeMap::new(), Vec::new());
+        for group in coupled(&pairs, self.builder.constants) {
+            let group: Vec<&Law<'_>> = group.into_iter().map(|index| &laws[index]).collect();
+            match self.joint_solution(&group) {
+                Ok(Some(sums)) => {
+                    for (law, sum) in group.iter().zip(sums) {
+                        let value = self.define(law, Operation::Sum(sum));
+                        values.insert(law.name.clone(), value);
+                    }
+                }
+                Ok(None) => {}
+                Err(fault) => findings.push(*fault),
+            }
+        }
+        refuse(findings)?;
+        Ok(values)
+    }
+
+    /// The unknowns of a group of equations. `None` if each equation is to be solved for its own unknown: it has a fault,
+    /// the formulas would be too long, or the equations only set quantities equal to each other.
+    ///
+    /// # Errors
+    /// If the equations do not determine their unknowns.
+    fn joint_solution(&mut self, group: &[&Law<'_>]) -> Result<Option<Vec<Sum>>, Box<Diagnostic>> {
+        let circuit = self.circuit;
+        let (mut nodes, mut residuals) = (Vec::new(), Vec::new());
+        for law in group {
+            let equation = &circuit.equations()[law.equation].value;
+            let residual = self.reader(equation.text()).residual(equation);
+            let (Some(node), Ok(residual)) = (self.names.get(&law.name).copied(), residual) else {
+                return Ok(None);
+            };
+            nodes.push(node);
+            residuals.push(residual);
+        }
+        match solved_together(&residuals, &nodes, self.builder.constants) {
+            Joint::Solved(values) => Ok(Some(values)),
+            Joint::TooLong => Ok(None),
+            Joint::Singular => {
+                let is_equality = |residual: &Sum| without(residual, &nodes).terms.is_empty();
+                if residuals.iter().all(is_equality) { Ok(None) } else { Err(Box::new(self.singular(group))) }
+            }
+        }
+    }
+
+    /// The fault of equations that do not determine their unknowns.
+    fn singular(&self, group: &[&Law<'_>]) -> Diagnostic {
+        let placed = &self.circuit.equations()[group[0].equation];
+        let names: Vec<&str> = group.iter().map(|law| law.name.as_str()).collect();
+        let message = format!("{} equations do not determine {}", names.len(), names.join(", "));
+        let hint = "the same combination of these is in several of the equations: change one of them, or a parameter";
+        let range = placed.value.range_of(names[0]).unwrap_or_default();
+        formula_diagnostic(
+            Code::BAD_FORMULA,
+            placed,
+            FormulaError { range, message, hint: Some(hint.to_owned()) },
+        )
+    }
+
     /// Gives the node of an unknown its operation, if it has a node. Returns the value of the unknown.
-    fn define(&mut self, law: &Law<'_>, value: Sum) -> Sum {
-        let Some(node) = self.names.get(&law.name) else { return value };
-        let operation = if law.is_implicit { Operation::Zero(value) } else { Operation::Sum(value) };
-        self.builder.define(*node, operation);
-        Sum::node(*node)
+    fn define(&mut self, law: &Law<'_>, operation: Operation) -> Sum {
+        match (self.names.get(&law.name), operation) {
+            (Some(node), operation) => {
+                self.builder.define(*node, operation);
+                Sum::node(*node)
+            }
+            (None, Operation::Sum(value)) => value,
+            (None, operation) => Sum::node(self.builder.add(operation)),
+        }
     }
 
     /// Makes the chains of integrals.

@@ -3,6 +3,7 @@
 use patchcord_expr::{Expression, FormulaError, Function, Node, Operator};
 
 use super::builder::Builder;
+use super::constants::is_readable;
 use super::expressions::{Reader, fault};
 use crate::graph::{FunctionKind, NodeId, Operation, Sum, Term};
 use crate::symbolic::{Fraction, call, nearest};
@@ -16,7 +17,7 @@ impl Reader<'_, '_> {
     /// # Errors
     /// If the exponent varies or is too large.
     pub(super) fn power(&mut self, node: &Node, base: &Node, exponent: &Node) -> Result<Sum, FormulaError> {
-        if let Some(value) = self.builder.constants.expression(node) {
+        if let Some(value) = self.builder.constants.expression(node).filter(is_readable) {
             return Ok(Sum::constant(&value));
         }
         if let Some(inverse) = self.inverse_of(base, exponent)? {
@@ -56,9 +57,13 @@ impl Reader<'_, '_> {
 
     /// A base with an exponent.
     fn raised(&mut self, base: &Node, exponent: &Node, power: &Fraction) -> Result<Sum, FormulaError> {
-        let form = self.form(base)?;
+        let mut form = self.form(base)?;
         if let Some(value) = form.as_constant() {
-            return Ok(Sum::constant(&call(Function::Power, &value, power)));
+            let constant = call(Function::Power, &value, power);
+            if is_readable(&constant) || constant.size() <= value.size() {
+                return Ok(Sum::constant(&constant));
+            }
+            form = Sum::node(self.builder.node_of(&form));
         }
         match doubled(power) {
             Some(doubled) if doubled.abs() > f64::from(2 * MAX_EXPONENT) => {

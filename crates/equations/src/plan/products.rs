@@ -1,6 +1,7 @@
 //! Products and quotients of sums.
 
 use super::builder::Builder;
+use super::constants::is_readable;
 use super::names::times;
 use crate::graph::{NodeId, Operation, Sum, Term};
 use crate::symbolic::Fraction;
@@ -14,8 +15,8 @@ impl Builder<'_> {
     /// Constants are taken out. A constant is distributed over the sum that it multiplies, if that is the only varying
     /// factor. Otherwise each varying factor is one node, so that as few multipliers as possible are necessary.
     pub(super) fn ratio(&mut self, tops: &[Sum], bottoms: &[Sum]) -> Sum {
-        let (mut constant, varying) = without_constants(tops);
-        let (divisor, bottoms) = without_constants(bottoms);
+        let (mut constant, varying) = self.without_constants(tops);
+        let (divisor, bottoms) = self.without_constants(bottoms);
         constant = constant.over(&divisor);
         if constant.is_zero() {
             return Sum::default();
@@ -88,17 +89,24 @@ impl Builder<'_> {
         let mut pairs = (0..count).flat_map(|first| (first + 1..count).map(move |second| (first, second)));
         pairs.find(|(first, second)| self.find(&Operation::product(nodes[*first], nodes[*second])).is_some())
     }
-}
 
-/// The product of the constants among sums, and the other sums.
-fn without_constants(sums: &[Sum]) -> (Fraction, Vec<Sum>) {
-    let mut constant = Fraction::whole(1);
-    let mut varying = Vec::new();
-    for sum in sums {
-        match sum.as_constant() {
-            Some(value) => constant = constant.times(&value),
-            None => varying.push(sum.clone()),
+    /// The product of the constants among sums, and the other sums. A constant with which the product would be too long is
+    /// a node.
+    fn without_constants(&mut self, sums: &[Sum]) -> (Fraction, Vec<Sum>) {
+        let mut constant = Fraction::whole(1);
+        let mut varying = Vec::new();
+        for sum in sums {
+            let Some(value) = sum.as_constant() else {
+                varying.push(sum.clone());
+                continue;
+            };
+            let product = constant.times(&value);
+            if is_readable(&product) || product.size() <= constant.size().max(value.size()) {
+                constant = product;
+            } else {
+                varying.push(Sum::node(self.node_of(sum)));
+            }
         }
+        (constant, varying)
     }
-    (constant, varying)
 }

@@ -4,7 +4,7 @@ use patchcord_expr::{Equation, FormulaError, Node};
 
 use super::expressions::{Reader, fault};
 use super::trees::{contains, factors, only_name, terms};
-use crate::graph::Sum;
+use crate::graph::{Operation, Sum};
 use crate::symbolic::Fraction;
 
 /// An expression that is linear in an unknown: factor x unknown + rest.
@@ -42,7 +42,8 @@ impl Reader<'_, '_> {
         Ok(self.builder.ratio(&[rest], &[factor]))
     }
 
-    /// The sum that is 0 at the unknown, whose node the reader knows.
+    /// The operation that computes an unknown from an equation that is not linear in it. Of several solutions it is the
+    /// one near `start`. The reader knows the node of the unknown.
     ///
     /// # Errors
     /// If an expression cannot be read, or the unknown cancels.
@@ -50,16 +51,28 @@ impl Reader<'_, '_> {
         &mut self,
         equation: &Equation,
         unknown: &str,
-    ) -> Result<Sum, FormulaError> {
-        let left = self.form(equation.left())?;
-        let zero = left.minus(&self.form(equation.right())?);
+        start: Option<&Fraction>,
+    ) -> Result<Operation, FormulaError> {
+        if let Some(value) = self.rational_solution(equation, unknown, start)? {
+            return Ok(Operation::Sum(value));
+        }
+        let zero = self.residual(equation)?;
         if zero.as_constant().is_some() {
             let message = format!("both sides have the same value for every {unknown}");
             let hint = format!("write an equation that determines {unknown}");
             let range = equation.range_of(unknown).unwrap_or_default();
             return Err(fault(range, message, hint));
         }
-        Ok(zero)
+        Ok(Operation::Zero(zero))
+    }
+
+    /// The left side of an equation minus its right side.
+    ///
+    /// # Errors
+    /// If an expression cannot be read.
+    pub(super) fn residual(&mut self, equation: &Equation) -> Result<Sum, FormulaError> {
+        let left = self.form(equation.left())?;
+        Ok(left.minus(&self.form(equation.right())?))
     }
 
     /// An expression as a linear function of an unknown.

@@ -35,21 +35,55 @@ pub(super) fn centre_angles(plan: &mut Plan, ranges: &mut Vec<[f64; 2]>) {
     }
 }
 
-/// The largest coefficient with which a solution of an open amplifier is an angle of a sine or a cosine. `None` for other
-/// nodes.
+/// The largest coefficient with which a solution of an open amplifier, or its sum with a constant, is an angle of a sine
+/// or a cosine. `None` for other nodes.
 fn angle_factor(plan: &Plan, id: NodeId) -> Option<f64> {
     if !matches!(plan.node(id).operation, Operation::Zero(_)) {
         return None;
     }
-    let factor = |node: &Node| match &node.operation {
+    plan.ids().filter_map(|function| factor_in(plan, function, id)).reduce(f64::max)
+}
+
+/// The coefficient of a node, or of its sum with a constant, in the argument of a sine or a cosine. `None` if `function` is
+/// another node.
+fn factor_in(plan: &Plan, function: NodeId, id: NodeId) -> Option<f64> {
+    match &plan.node(function).operation {
         Operation::Function { kind: FunctionKind::Sin | FunctionKind::Cos, argument }
-            if argument.node == id =>
+            if argument.node == id || is_shifted(plan, argument.node, id) =>
         {
             Some(nearest(&argument.coefficient.as_rational()?).abs())
         }
         _ => None,
+    }
+}
+
+/// Whether a node is the sum of another one and a constant.
+fn is_shifted(plan: &Plan, id: NodeId, other: NodeId) -> bool {
+    let Operation::Sum(sum) = &plan.node(id).operation else { return false };
+    let is_one = |node: &NodeId| plan.node(*node).operation == Operation::One;
+    let is_whole = sum.terms.get(&other).is_some_and(|factor| *factor == Fraction::whole(1));
+    is_whole && sum.terms.len() == 2 && sum.terms.keys().any(is_one)
+}
+
+/// The angles of points that turn by half a turn or more, each with the width of its range in rad. An open amplifier
+/// finds none of them: at every scale, the opposite angle is within ±100 V too. The ranges are in SI units by node.
+pub(super) fn wide_angles(plan: &Plan, ranges: &[[f64; 2]]) -> Vec<(NodeId, f64)> {
+    let width = |id: NodeId| {
+        let [low, high] = ranges[id.0 as usize];
+        let width = angle_factor(plan, id)? * (high - low);
+        (width >= PI && is_angle_of_point(plan, id)).then_some((id, width))
     };
-    plan.nodes.iter().filter_map(factor).reduce(f64::max)
+    plan.ids().filter_map(width).collect()
+}
+
+/// Whether each term of the equation of a node has its sine or its cosine as a factor.
+fn is_angle_of_point(plan: &Plan, id: NodeId) -> bool {
+    let Operation::Zero(sum) = &plan.node(id).operation else { return false };
+    let is_function = |node: NodeId| factor_in(plan, node, id).is_some();
+    sum.terms.keys().all(|node| match plan.node(*node).operation {
+        Operation::Product(factors) => factors.into_iter().any(is_function),
+        _ => is_function(*node),
+    })
 }
 
 /// The scale of an angle with which its largest usual magnitude is 100 V, in SI units per volt. `None` if the node is no

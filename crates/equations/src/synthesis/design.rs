@@ -174,7 +174,7 @@ impl<'a> Design<'a> {
         let weights: Vec<(f64, Term)> = sum.terms.iter().map(weight).collect();
         let largest = weights.iter().max_by(|(one, _), (other, _)| one.total_cmp(other));
         let (value, expression) = match largest {
-            Some((weight, term)) if *weight > 0.0 => (*weight, self.table.weighted(&self.positive(term))),
+            Some((weight, term)) if *weight > 0.0 => (*weight, self.table.size_of(term)),
             _ => (1.0, Fraction::whole(1)),
         };
         let total = self.total(id);
@@ -186,14 +186,6 @@ impl<'a> Design<'a> {
             may_add_summer: false,
             ..total
         }
-    }
-
-    /// A term without the sign of its coefficient.
-    fn positive(&self, term: &Term) -> Term {
-        let is_negative = self.table.expressions.value(&term.coefficient) < 0.0;
-        let coefficient = &term.coefficient;
-        let coefficient = if is_negative { coefficient.negated() } else { coefficient.clone() };
-        Term { coefficient, node: term.node }
     }
 
     /// The circuit of a sum with one term that needs no amplifier. `None` for other sums.
@@ -260,8 +252,7 @@ impl<'a> Design<'a> {
     ) -> Result<(Branch, Coefficient), f64> {
         let expressions = &self.table.expressions;
         let entry = self.table.entry(node);
-        let sign = if expressions.value(coefficient) < 0.0 { -1 } else { 1 };
-        let positive = if sign < 0 { coefficient.negated() } else { coefficient.clone() };
+        let (sign, positive) = (expressions.sign(coefficient), expressions.positive(coefficient));
         let time_scale = if total.is_rate { self.time_scale } else { 1.0 };
         let factor = entry.value / total.value / time_scale;
         let ratio = positive.times(&entry.expression).over(&total.expression);
@@ -271,6 +262,7 @@ impl<'a> Design<'a> {
             // Parameters that the coefficient and the scales have in common cancel.
             most: expressions.largest(&ratio) / time_scale,
             is_fixed: !is_parametric,
+            is_unbounded: expressions.has_unbounded_parameters(&ratio),
         };
         let route = choose(&in_volts).ok_or(in_volts.value)?;
         let product = Product::one()

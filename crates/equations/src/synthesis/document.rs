@@ -236,7 +236,9 @@ fn points<'p>(problem: &'p Problem, name: &str) -> &'p [[f64; 2]] {
 fn with_equations(builder: PatchBuilder, design: &Design<'_>) -> PatchBuilder {
     let problem = design.input.problem;
     let equations = problem.patch.equations.iter().map(|placed| &placed.value);
-    let stated: Vec<&Equation> = equations.filter(|equation| !applies_table(problem, equation)).collect();
+    let is_stated =
+        |equation: &&Equation| !applies_table(problem, equation) && !starts_solution(design, equation);
+    let stated: Vec<&Equation> = equations.filter(is_stated).collect();
     if stated.is_empty() {
         return builder.section("positive_feedback", true);
     }
@@ -279,6 +281,15 @@ fn is_state(design: &Design<'_>, name: &str) -> bool {
     let mut quantities = design.input.plan.quantities.iter();
     let node = quantities.find(|quantity| quantity.name == name).map(|quantity| quantity.node);
     node.is_some_and(|node| matches!(design.input.operation(node), Operation::Integral { .. }))
+}
+
+/// Whether an equation says near which value an implicit equation is solved. In a patch, only states have initial values.
+fn starts_solution(design: &Design<'_>, equation: &Equation) -> bool {
+    let Some(name) = equation.initial_quantity() else { return false };
+    let mut quantities = design.input.plan.quantities.iter();
+    let planned = quantities.find(|quantity| quantity.name == name);
+    planned
+        .is_none_or(|quantity| !matches!(design.input.operation(quantity.node), Operation::Integral { .. }))
 }
 
 /// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.

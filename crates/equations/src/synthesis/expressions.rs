@@ -51,31 +51,64 @@ impl<'a> Expressions<'a> {
         expression.contains(&mut |symbol| matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_)))
     }
 
+    /// Whether an expression contains a parameter without a range.
+    pub(super) fn has_unbounded_parameters(&self, expression: &Fraction) -> bool {
+        expression.contains(&mut |symbol| {
+            let is_parameter = matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_));
+            is_parameter && self.range(symbol).is_none()
+        })
+    }
+
     /// The largest magnitude of an expression at the present values of its parameters and at the bounds of their ranges.
     pub(super) fn largest(&self, expression: &Fraction) -> f64 {
-        let ranges = self.ranges(expression);
+        let corners = self.corners(expression, &|symbol| self.range(symbol));
+        corners.into_iter().map(f64::abs).fold(self.value(expression).abs(), f64::max)
+    }
+
+    /// The sign of an expression: 1 or -1. A pot with this sign in front of it is never negative.
+    ///
+    /// An expression that is 0 at present has the sign of its largest magnitude in the ranges of its parameters. A
+    /// parameter without a range can become larger there.
+    pub(super) fn sign(&self, expression: &Fraction) -> i8 {
+        let value = self.value(expression);
+        let decisive = if value == 0.0 { self.extreme(expression) } else { value };
+        if decisive < 0.0 { -1 } else { 1 }
+    }
+
+    /// An expression without its sign.
+    pub(super) fn positive(&self, expression: &Fraction) -> Fraction {
+        if self.sign(expression) < 0 { expression.negated() } else { expression.clone() }
+    }
+
+    /// The value of largest magnitude in the ranges of the parameters, and in larger values of those without a range. Of
+    /// two opposite ones it is the positive one.
+    fn extreme(&self, expression: &Fraction) -> f64 {
+        let corners = self.corners(expression, &|symbol| self.range(symbol).or_else(|| self.raised(symbol)));
+        let finite = corners.into_iter().filter(|value| value.is_finite());
+        finite.fold(0.0, |most: f64, value| {
+            let is_larger = value.abs() > most.abs() || (value == -most && value > 0.0);
+            if is_larger { value } else { most }
+        })
+    }
+
+    /// The values of an expression at the corners of the ranges of its parameters.
+    fn corners(&self, expression: &Fraction, range: &dyn Fn(Symbol) -> Option<[f64; 2]>) -> Vec<f64> {
+        let ranges = ranges(expression, range);
         let mut varied = self.values.clone();
-        let magnitude = |corner: u32| {
+        let value = |corner: u32| {
             for (index, (symbol, ends)) in ranges.iter().enumerate() {
                 varied.set(*symbol, ends[((corner >> index) & 1) as usize]);
             }
-            varied.value(expression).abs()
+            varied.value(expression)
         };
-        let corners = 1u32 << ranges.len();
-        (0..corners).map(magnitude).fold(self.value(expression).abs(), f64::max)
+        (0..1u32 << ranges.len()).map(value).collect()
     }
 
-    /// The ranges of the parameters of an expression in SI units.
-    fn ranges(&self, expression: &Fraction) -> Vec<(Symbol, [f64; 2])> {
-        let mut ranges: Vec<(Symbol, [f64; 2])> = Vec::new();
-        expression.contains(&mut |symbol| {
-            let is_new = ranges.len() < MOST_VARIED && ranges.iter().all(|(known, _)| *known != symbol);
-            if is_new && let Some(range) = self.range(symbol) {
-                ranges.push((symbol, range));
-            }
-            false
-        });
-        ranges
+    /// The present value of a parameter and a larger one. `None` for other symbols.
+    fn raised(&self, symbol: Symbol) -> Option<[f64; 2]> {
+        let value = self.value(&Fraction::symbol(symbol));
+        let is_parameter = matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_));
+        is_parameter.then_some([value, if value == 0.0 { 1.0 } else { value + value.abs() / 2.0 }])
     }
 
     /// The range of a parameter in SI units. `None` for other symbols and without a range.
@@ -88,4 +121,17 @@ impl<'a> Expressions<'a> {
         let (low, high) = parameter.range?;
         Some([low, high].map(|end| parameter.unit.to_si(end)))
     }
+}
+
+/// The ranges of the symbols of an expression that have one.
+fn ranges(expression: &Fraction, range: &dyn Fn(Symbol) -> Option<[f64; 2]>) -> Vec<(Symbol, [f64; 2])> {
+    let mut ranges: Vec<(Symbol, [f64; 2])> = Vec::new();
+    expression.contains(&mut |symbol| {
+        let is_new = ranges.len() < MOST_VARIED && ranges.iter().all(|(known, _)| *known != symbol);
+        if is_new && let Some(range) = range(symbol) {
+            ranges.push((symbol, range));
+        }
+        false
+    });
+    ranges
 }

@@ -8,7 +8,7 @@ use patchcord_expr::{format_significant, round_significant};
 use serde_json::Value;
 
 use super::expressions::Expressions;
-use crate::symbolic::{Atom, CallOrder, Fraction, Operation, Polynomial, Rational, nearest};
+use crate::symbolic::{Atom, CallOrder, Fraction, Monomial, Operation, Polynomial, Rational, nearest};
 
 /// The longest text of a formula in bytes. The parser accepts a few more.
 const LONGEST: usize = 1900;
@@ -97,11 +97,7 @@ impl Product {
             self.is_writable &= exponent > 0;
             return self;
         }
-        let (mut number, content, mut rest) = factor.numerator().clone().into_primitive();
-        // A sum begins with a positive term: `q - r` and not `-(r - q)`.
-        if number.is_negative() && rest.terms().any(|(_, number)| number.is_negative()) {
-            (number, rest) = (-number, rest.negated());
-        }
+        let (number, content, rest) = with_common_factors(factor.numerator());
         self.number *= number.pow(exponent);
         let mut powers: Vec<(Option<String>, bool, i32)> = Vec::new();
         for (atom, power) in content.factors() {
@@ -210,6 +206,37 @@ fn append(text: &mut String, factor: &str, is_multiplied: bool) {
     text.push_str(factor);
 }
 
+/// A sum as number x product x rest, with the factors that all terms have. So `h + 2 * a / d^2` has none, although
+/// `2 * (0.5 * d^2 * h + a) / d^2` is the same.
+fn with_common_factors(sum: &Polynomial) -> (Rational, Monomial, Polynomial) {
+    let (number, content) = (common_number(sum), common_product(sum));
+    let rest = sum.times_term(&content.power(-1), &number.recip());
+    (number, content, rest)
+}
+
+/// The smallest number of a sum, if all others are whole multiples of it, otherwise 1. It is negative if all numbers are:
+/// `q - r` and not `-(r - q)`.
+fn common_number(sum: &Polynomial) -> Rational {
+    let numbers = || sum.terms().map(|(_, number)| number);
+    let least = numbers().map(Rational::abs).min().unwrap_or_else(Rational::one);
+    let is_common = numbers().all(|number| (number / &least).is_integer());
+    let size = if is_common { least } else { Rational::one() };
+    if numbers().all(Rational::is_negative) { -size } else { size }
+}
+
+/// The product of the factors of all terms: each with its smallest exponent, or with its largest one if all exponents are
+/// negative.
+fn common_product(sum: &Polynomial) -> Monomial {
+    let mut products = sum.terms().map(|(product, _)| product);
+    let first = products.next().cloned().unwrap_or_default();
+    let opposite = first.power(-1);
+    let (least, opposite) = products.fold((first, opposite), |(least, opposite), product| {
+        (least.common(product), opposite.common(&product.power(-1)))
+    });
+    let most = opposite.power(-1);
+    least.only(|_, exponent| exponent > 0).times(&most.only(|_, exponent| exponent < 0))
+}
+
 /// A positive number as a factor in front of a product and a divisor after it. `None` for 1.
 fn number_parts(number: &Rational) -> (Option<String>, Option<String>) {
     let [top, bottom] = [number.numer(), number.denom()].map(|part| {
@@ -230,19 +257,20 @@ fn number_parts(number: &Rational) -> (Option<String>, Option<String>) {
     (top, bottom)
 }
 
-/// The text of a sum, with a positive term first. `None` if a factor has no text.
+/// The text of a sum: positive terms first, and of these the ones without divisors. `None` if a factor has no text.
 fn sum_text(sum: &Polynomial, expressions: &Expressions<'_>) -> Option<String> {
-    let mut terms: Vec<(bool, String)> = Vec::new();
+    let mut terms: Vec<([bool; 2], String)> = Vec::new();
     for (product, number) in sum.terms() {
         let mut term = Product { number: number.abs(), ..Product::one() };
         for (atom, power) in product.factors() {
             term.multiply(atom_text(atom, expressions), false, *power);
         }
-        terms.push((number.is_negative(), term.text()?));
+        let has_divisor = product.factors().iter().any(|(_, power)| *power < 0);
+        terms.push(([number.is_negative(), has_divisor], term.text()?));
     }
-    terms.sort_by_key(|(is_negative, _)| *is_negative);
+    terms.sort_by_key(|(place, _)| *place);
     let mut text = String::new();
-    for (is_negative, term) in terms {
+    for ([is_negative, _], term) in terms {
         text += match (text.is_empty(), is_negative) {
             (true, false) => "",
             (true, true) => "-",

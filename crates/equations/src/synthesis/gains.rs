@@ -8,6 +8,8 @@ pub(super) const MOST_CORDS: u32 = 5;
 pub(super) const GAIN_OF_SUMMER: f64 = 10.0;
 /// The smallest setting of a pot that can be set accurately.
 pub(super) const LEAST_SETTING: f64 = 0.1;
+/// The largest setting of a pot whose coefficient can rise. Above it there is no space for a change.
+pub(super) const MOST_SETTING: f64 = 0.98;
 /// Rounding of a coefficient. It is within the tolerance of pot settings.
 const ROUNDING: f64 = 5e-13;
 
@@ -20,6 +22,8 @@ pub(super) struct Coefficient {
     pub most: f64,
     /// Whether it depends on no parameter.
     pub is_fixed: bool,
+    /// Whether it depends on a parameter without a range, so that it can exceed `most`.
+    pub is_unbounded: bool,
 }
 
 /// How a voltage is multiplied by a coefficient.
@@ -41,9 +45,9 @@ impl Coefficient {
         (self.value / number - 1.0).abs() <= ROUNDING
     }
 
-    /// Whether a pot can multiply by the coefficient. A pot that is fully open could not follow a parameter.
+    /// Whether a pot can multiply by the coefficient. A pot that is nearly fully open could not follow a parameter.
     pub(super) fn fits_pot(&self) -> bool {
-        self.value <= 1.0 + ROUNDING && !(self.is(1.0) && self.can_rise())
+        self.value <= 1.0 + ROUNDING && !self.lacks_reserve(1.0)
     }
 
     /// The largest value that it can have.
@@ -51,15 +55,17 @@ impl Coefficient {
         if self.is_fixed { self.value } else { self.most }
     }
 
-    /// Whether the coefficient is larger for other values of the parameters.
-    fn can_rise(&self) -> bool {
-        self.largest() > self.value * (1.0 + ROUNDING)
+    /// Whether a pot in front of this factor is nearly fully open, although the coefficient can exceed the factor.
+    fn lacks_reserve(&self, factor: f64) -> bool {
+        let is_open = self.value > MOST_SETTING * factor;
+        let can_exceed = self.largest() > factor * (1.0 + ROUNDING) || (self.is_unbounded && !self.is_fixed);
+        is_open && can_exceed
     }
 
     /// Whether a pot in front of this factor is at least 0.1, and valid in the ranges of the parameters.
     fn has_space(&self, factor: f64) -> bool {
         let is_accurate = self.value == 0.0 || self.value >= LEAST_SETTING * factor * (1.0 - ROUNDING);
-        is_accurate && self.largest() <= factor * (1.0 + ROUNDING)
+        is_accurate && self.largest() <= factor * (1.0 + ROUNDING) && !self.lacks_reserve(factor)
     }
 }
 
@@ -83,7 +89,7 @@ impl Route {
 /// The gain is the smallest one that is not below the coefficient, so the pot is from 0.1 to 1 if that is possible. A
 /// coefficient that equals a gain needs no pot, unless it depends on parameters. If it exceeds the gain for some values
 /// of the parameters, a larger gain or a second cord of the largest gain is chosen, if the pot is then valid for all
-/// values and still at least 0.1.
+/// values and still at least 0.1. A pot above 0.98 has the next gain in any case.
 ///
 /// Above the largest gain there are several equal cords, and then an additional summer if it is permitted. `None` if the
 /// coefficient is larger still.
@@ -109,14 +115,13 @@ pub(super) fn route(coefficient: &Coefficient, gains: &[f64], may_add_summer: bo
 
 /// The first of several routes with a pot that has space for all values of the coefficient. The routes have rising
 /// factors, and the first one is not below the coefficient. If no route has enough space, it is the first one, or the
-/// second one if the pot of the first one would be fully open. `None` without routes.
+/// second one if the pot of the first one would be nearly fully open. `None` without routes.
 fn chosen(coefficient: &Coefficient, routes: &[Route]) -> Option<Route> {
     let least = *routes.first()?;
-    let is_exact = coefficient.is(least.factor());
-    if is_exact && coefficient.is_fixed {
+    if coefficient.is_fixed && coefficient.is(least.factor()) {
         return Some(Route { has_pot: false, ..least });
     }
-    let next = routes.get(1).filter(|_| is_exact && coefficient.can_rise());
+    let next = routes.get(1).filter(|_| coefficient.lacks_reserve(least.factor()));
     let with_space = routes.iter().find(|route| coefficient.has_space(route.factor()));
     Some(with_space.or(next).copied().unwrap_or(least))
 }
@@ -130,12 +135,17 @@ mod tests {
 
     /// A coefficient that depends on no parameter.
     fn fixed(value: f64) -> Coefficient {
-        Coefficient { value, most: value, is_fixed: true }
+        Coefficient { value, most: value, is_fixed: true, is_unbounded: false }
     }
 
     /// A coefficient that depends on a parameter, with its largest value.
     fn variable(value: f64, most: f64) -> Coefficient {
-        Coefficient { value, most, is_fixed: false }
+        Coefficient { value, most, is_fixed: false, is_unbounded: false }
+    }
+
+    /// A coefficient that depends on a parameter without a range.
+    fn unbounded(value: f64) -> Coefficient {
+        Coefficient { is_unbounded: true, ..variable(value, value) }
     }
 
     fn cord(has_pot: bool, gain: f64) -> Option<Route> {
@@ -178,12 +188,12 @@ mod tests {
     #[test]
     fn a_fixed_coefficient_needs_no_larger_gain() {
         // Parameters cancel in k y / k. The largest value of the first factor does not matter.
-        let fixed = Coefficient { value: 1.0, most: 6.7, is_fixed: true };
+        let fixed = Coefficient { most: 6.7, ..fixed(1.0) };
         assert_eq!(route(&fixed, &SUMMER, true), cord(false, 1.0));
         assert_eq!(route(&fixed, &INTEGRATOR, false), cord(false, 1.0));
         assert!(fixed.fits_pot());
-        let fixed = Coefficient { value: 8.0, most: 16.0, is_fixed: true };
-        assert_eq!(route(&fixed, &SUMMER, true), cord(true, 10.0));
+        let eight = Coefficient { value: 8.0, most: 16.0, ..fixed };
+        assert_eq!(route(&eight, &SUMMER, true), cord(true, 10.0));
     }
 
     #[test]
@@ -208,6 +218,24 @@ mod tests {
         // 3 cords would need a fully open pot.
         assert_eq!(cords_of(30.0, 60.0), Some(4));
         assert_eq!(cords_of(0.0, 15.0), Some(2));
+    }
+
+    #[test]
+    fn a_parameter_that_can_rise_has_no_pot_above_0_98() {
+        // The pot is 0.099.
+        assert_eq!(route(&variable(0.99, 1.5), &SUMMER, true), cord(true, 10.0));
+        assert_eq!(route(&variable(0.97, 1.5), &SUMMER, true), cord(true, 1.0));
+        // The range ends at the coefficient.
+        assert_eq!(route(&variable(0.99, 1.0), &SUMMER, true), cord(true, 1.0));
+        for value in [0.99, 1.0] {
+            assert_eq!(route(&unbounded(value), &SUMMER, true), cord(true, 10.0));
+            assert_eq!(route(&unbounded(100.0 * value), &INTEGRATOR, false), cord(true, 1000.0));
+            assert!(!unbounded(value).fits_pot());
+        }
+        assert_eq!(route(&unbounded(0.97), &SUMMER, true), cord(true, 1.0));
+        assert_eq!(route(&unbounded(29.9), &SUMMER, true).unwrap().cords, 4);
+        // The largest gain with the most cords has no larger one.
+        assert_eq!(route(&unbounded(5000.0), &INTEGRATOR, false).unwrap().cords, 5);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use patchcord_expr::{Dimension, Unit, split_primes};
 use super::ScaleOptions;
 use super::centred::centre_angles;
 use super::expressions::Expressions;
-use super::rescaled::{Rescaled, is_forced, rescaled};
+use super::rescaled::{Rescaled, is_forced, rescaled, unsettled_scales};
 use crate::findings::codes;
 use crate::graph::{NodeId, Operation, Plan};
 use crate::peaks::Ranges;
@@ -42,6 +42,8 @@ pub(super) struct Input<'a> {
     pub expressions: Expressions<'a>,
     /// The names of the quantities of each node. Names without primes come first.
     labels: Vec<Vec<String>>,
+    /// Whether times count as pure numbers in the problem.
+    is_time_dimensionless: bool,
 }
 
 impl<'a> Input<'a> {
@@ -58,7 +60,10 @@ impl<'a> Input<'a> {
         let mut labels = labels(&centred);
         let is_prescribed =
             |name: &String| problem.quantities.get(name).is_some_and(|quantity| quantity.per_volt.is_some());
-        let needs_own_scale = |id: NodeId| labels[id.0 as usize].iter().any(is_prescribed);
+        let expressions = Expressions::new(&centred.symbols, circuit);
+        let unsettled = unsettled_scales(&centred, &|constant| expressions.has_parameters(constant));
+        let needs_own_scale =
+            |id: NodeId| unsettled.contains(&id) || labels[id.0 as usize].iter().any(is_prescribed);
         let Rescaled { plan, origins, order } = rescaled(&centred, &needs_own_scale);
         for origin in origins {
             nodes.push(nodes[origin.0 as usize]);
@@ -66,9 +71,20 @@ impl<'a> Input<'a> {
         }
         let mut rates = ranges.rates.clone();
         rates.resize(nodes.len(), 0.0);
-        let expressions = Expressions::new(&plan.symbols, circuit);
         let (ranges, forced_order) = (nodes, order);
-        Input { plan, forced_order, problem, circuit, ranges, rates, options, expressions, labels }
+        let is_time_dimensionless = circuit.is_time_dimensionless();
+        Input {
+            plan,
+            forced_order,
+            problem,
+            circuit,
+            ranges,
+            rates,
+            options,
+            expressions,
+            labels,
+            is_time_dimensionless,
+        }
     }
 
     /// The operation of a node.
@@ -98,7 +114,7 @@ impl<'a> Input<'a> {
     /// The dimension of a node. If times count as pure numbers in the problem, it contains no time.
     pub(super) fn dimension(&self, id: NodeId) -> Dimension {
         let dimension = self.plan.node(id).dimension;
-        if self.circuit.is_time_dimensionless() { dimension.without_time() } else { dimension }
+        if self.is_time_dimensionless { dimension.without_time() } else { dimension }
     }
 
     /// The unit of a node: that of its first quantity or of its drive, or the SI unit.
@@ -124,7 +140,7 @@ impl<'a> Input<'a> {
             Some((0..order).fold(unit, |unit, _| unit.per_second()))
         };
         let unit = declared(name).or_else(derived).unwrap_or_else(|| si_unit(self.dimension(id)));
-        if self.circuit.is_time_dimensionless() && unit.dimension().contains_time() {
+        if self.is_time_dimensionless && unit.dimension().contains_time() {
             return si_unit(unit.dimension().without_time());
         }
         unit

@@ -42,11 +42,12 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
 use patchcord_core::machines::{DEFAULT_MACHINE, MachineModel};
 use patchcord_core::patch::{Patch, Problem};
-use patchcord_expr::Unit;
+use patchcord_expr::{Unit, format_significant};
 
 use crate::graph::{NodeId, Plan};
 use crate::peaks::Ranges;
 use assembly::Assembly;
+use centred::wide_angles;
 use design::{Block, Design};
 pub(crate) use document::{with_ranges, with_step};
 use input::Input;
@@ -131,6 +132,7 @@ pub(crate) fn synthesise(
     options: &ScaleOptions,
 ) -> Result<Synthesis, Vec<Diagnostic>> {
     let input = Input::new(plan, problem, circuit, ranges, options);
+    check_angles(&input, wide_angles(plan, &ranges.nodes))?;
     let design = Design::new(&input, scales);
     let blocks = blocks(&design)?;
     let assembly = Assembly::of(&design, &blocks)?;
@@ -143,6 +145,23 @@ pub(crate) fn synthesise(
     let quantity_units =
         quantities.map(|quantity| input.unit_of_quantity(&quantity.name, quantity.node)).collect();
     Ok(Synthesis { patch: document::patch(assembly)?, outputs, steps, names, units, quantity_units })
+}
+
+/// Checks that there are no angles that turn by half a turn or more. Each has its width in rad.
+///
+/// # Errors
+/// For each angle.
+fn check_angles(input: &Input<'_>, wide: Vec<(NodeId, f64)>) -> Result<(), Vec<Diagnostic>> {
+    let fault = |(id, width): (NodeId, f64)| {
+        let name = &input.plan.node(id).name;
+        let width = format_significant(width, 3);
+        let message =
+            format!("the angle {name} turns through {width} rad, and an open amplifier finds less than pi");
+        let hint = "integrate its derivative: that of atan2(y, x) is (x y' - y x')/(x^2 + y^2)";
+        input.fault(id, message, hint)
+    };
+    let faults: Vec<Diagnostic> = wide.into_iter().map(fault).collect();
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
 /// The circuits of all nodes.

@@ -27,11 +27,6 @@ pub(super) fn summer_sign(branch: &Branch) -> i8 {
     if branch.route.summers.is_multiple_of(2) { 1 } else { -1 }
 }
 
-/// The polarities that a coefficient of this value needs: 1 if it is 0 or above.
-pub(super) fn sign_of(value: f64) -> i8 {
-    if value < 0.0 { -1 } else { 1 }
-}
-
 /// The nodes of the search for polarities.
 pub(super) fn polarity_nodes(design: &Design<'_>, blocks: &[Block]) -> Vec<PolarityNode> {
     let is_fixed = |operation: &Operation| match operation {
@@ -101,7 +96,7 @@ impl Finder<'_> {
             Operation::DeadZone { input, width } => vec![self.own(*input, 1), self.both(width.node)],
             Operation::Delay { input, .. } => vec![self.own(*input, 1)],
             Operation::Function { kind: FunctionKind::Exp | FunctionKind::Ln, argument } => {
-                let sign = sign_of(self.design.table.expressions.value(&argument.coefficient));
+                let sign = self.design.table.expressions.sign(&argument.coefficient);
                 // A summer in front of the function inverts.
                 let is_amplified = argument_gain(self.design, id).is_ok_and(|gain| gain > 1.0);
                 vec![self.fixed(argument.node, if is_amplified { -sign } else { sign })]

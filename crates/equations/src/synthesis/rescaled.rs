@@ -2,7 +2,8 @@
 //!
 //! A multiplier, a diode network and a delay line have no gains. So the scale of a product follows from those of its
 //! factors, for example. If a user prescribes the scale of such a node, or if its scale depends on itself through a
-//! feedback, a sum with this node as its only term is added.
+//! feedback, a sum with this node as its only term is added. The same is done if the scale depends on parameters and the
+//! node is the input of an element with settings that are numbers.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -44,6 +45,40 @@ fn scale_sources(operation: &Operation) -> Vec<NodeId> {
         | Operation::Function { .. }
         | Operation::Curve { .. } => Vec::new(),
     }
+}
+
+/// The nodes whose scales follow from others by coefficients that contain parameters, although an element that reads them
+/// has settings that are numbers: the points of a table, and the initial voltage of a delay line.
+pub(super) fn unsettled_scales(plan: &Plan, has_parameters: &dyn Fn(&Fraction) -> bool) -> BTreeSet<NodeId> {
+    let with_numbers = plan.nodes.iter().filter_map(|node| match &node.operation {
+        Operation::Curve { input, .. } => Some(input.node),
+        Operation::Delay { input, initial, .. } if !initial.is_zero() => Some(*input),
+        _ => None,
+    });
+    with_numbers.filter(|id| depends_on_parameters(plan, *id, has_parameters)).collect()
+}
+
+/// Whether the scale of a node follows from others by a coefficient that contains parameters.
+fn depends_on_parameters(plan: &Plan, id: NodeId, has_parameters: &dyn Fn(&Fraction) -> bool) -> bool {
+    let (mut open, mut seen) = (vec![id], BTreeSet::new());
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        let operation = &plan.node(id).operation;
+        let is_parametric = match operation {
+            Operation::Lower(terms) | Operation::Higher(terms) => {
+                terms.iter().any(|term| has_parameters(&term.coefficient))
+            }
+            Operation::DeadZone { width, .. } => has_parameters(&width.coefficient),
+            _ => false,
+        };
+        if is_parametric {
+            return true;
+        }
+        open.extend(scale_sources(operation));
+    }
+    false
 }
 
 /// Adds a sum after each node for which `needs_own_scale` is true, and where a scale would depend on itself.

@@ -120,6 +120,11 @@ impl<'a> ScaleTable<'a> {
         term.coefficient.times(self.expression(term.node))
     }
 
+    /// The same without the sign of the coefficient.
+    pub(super) fn size_of(&self, term: &Term) -> Fraction {
+        self.expressions.positive(&term.coefficient).times(self.expression(term.node))
+    }
+
     /// The value of one volt of a node times the coefficient of a term, in SI units.
     pub(super) fn weight(&self, term: &Term) -> f64 {
         self.expressions.value(&term.coefficient).abs() * self.value(term.node)

@@ -6,7 +6,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::patch::Problem;
 
 use super::centred::least_volts;
-use super::gains::MOST_CORDS;
+use super::gains::{MOST_CORDS, MOST_SETTING};
 use super::input::Input;
 use super::reason::ScaleReason;
 use super::rescaled::is_forced;
@@ -273,10 +273,13 @@ impl Choice<'_, '_> {
         if !is_large(direct) || peak > MOST_VOLTS * direct {
             return None;
         }
-        if factor == 1.0 && !expressions.has_parameters(coefficient) {
+        let has_parameters = expressions.has_parameters(coefficient);
+        if factor == 1.0 && !has_parameters {
             return Some(direct);
         }
         let most = expressions.largest(coefficient) * per_volt[node.0 as usize];
+        // A pot that is nearly fully open could not follow a parameter.
+        let most = if has_parameters { most.max(direct / MOST_SETTING) } else { most };
         let least = if is_large(most) { most } else { direct };
         if per_volt[id.0 as usize] >= least {
             return None;

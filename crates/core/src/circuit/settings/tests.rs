@@ -52,6 +52,21 @@ fn only_a_pot_in_front_of_an_integrator_may_be_set_to_a_rate() {
 }
 
 #[test]
+fn a_time_is_a_pure_number_only_if_no_unit_contains_a_time() {
+    let codes = |scale: &str| -> Vec<Code> {
+        let line = ElementBuilder::new("delay").cord("in", "+100").set("delay", "2 * tau");
+        let patch = PatchBuilder::new("delay").parameter("tau", 0.5, "1", [0.1, 1.0]).element("L", line);
+        let patch = patch.scale("y", 1.0, scale).signal("y", "L", "y", 1.0);
+        let report = Circuit::new(&patch.build().unwrap()).err();
+        report.map_or(vec![], |report| report.findings.iter().map(|finding| finding.code).collect())
+    };
+    for scale in ["1", "V", "mm"] {
+        assert_eq!(codes(scale), []);
+    }
+    assert_eq!(codes("m/s"), [Code::UNIT_MISMATCH]);
+}
+
+#[test]
 fn a_rate_in_front_of_an_inverter_is_moved_behind_it() {
     let patch = PatchBuilder::new("rate")
         .parameter("w", 0.5, "1/s", [0.1, 1.0])

@@ -98,20 +98,23 @@ fn fault(name: &str, span: Span, part: Part) -> Option<Diagnostic> {
     let noun = part.noun();
     match part {
         // The circuit reports all other faults of a parameter's name.
-        Part::Parameter => None,
-        Part::Table => check_quantity_name(name, span, noun).or_else(|| function_fault(name, span)),
+        Part::Parameter => function_fault(name, span, noun),
+        Part::Table => check_quantity_name(name, span, noun).or_else(|| function_fault(name, span, noun)),
         Part::Quantity if split_initial(name).is_some() => Some(initial_value(span)),
         Part::Quantity if order > MAX_PRIMES => Some(too_many_primes(span)),
         Part::Quantity | Part::Drive => {
-            check_quantity_name(base, span, noun).or_else(|| check_output_name(base, span, noun))
+            let fault = check_quantity_name(base, span, noun);
+            let fault = fault.or_else(|| check_output_name(base, span, noun));
+            fault.or_else(|| function_fault(base, span, noun))
         }
     }
 }
 
-/// The fault of a table with the name of a function that only equations have. `None` if the name is another one.
-fn function_fault(name: &str, span: Span) -> Option<Diagnostic> {
+/// The fault of a part with the name of a function that only equations have. `None` if the name is another one. `noun` is
+/// what messages call the part.
+fn function_fault(name: &str, span: Span, noun: &str) -> Option<Diagnostic> {
     let function = EquationFunction::from_name(name)?.name();
-    let message = format!("\"{function}\" cannot name a table");
+    let message = format!("\"{function}\" cannot name a {noun}");
     Some(Diagnostic::at(Code::BAD_NAME, span, message).hint("it is the name of a function"))
 }
 

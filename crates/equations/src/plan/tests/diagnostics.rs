@@ -92,11 +92,22 @@ fn an_equation_determines_its_unknown() {
 }
 
 #[test]
+fn equations_that_share_their_unknowns_determine_all_of_them() {
+    let quantities = format!(r#"{X}, "y": {{"unit": "1", "initial": 2}}"#);
+    let message = "2 equations do not determine x', y'";
+    let hint =
+        "the same combination of these is in several of the equations: change one of them, or a parameter";
+    for equations in [r#""x' + y' = -x", "p x' + p y' = y""#, r#""x' + y' = -x", "x' + (p - 1) y' = y""#] {
+        assert_fault(&quantities, equations, ["x'", message, hint]);
+    }
+}
+
+#[test]
 fn an_implicit_equation_has_a_solution_at_the_start() {
     let quantities = format!(r#"{X}, "y": {{"unit": "1"}}"#);
     let message = "no value of y at the start is found that satisfies this equation";
     let hint = "give y an \"initial\" near its value at the start";
-    for equation in ["p sin(y) = 3 x", "y^2 = x"] {
+    for equation in ["p sin(y) = 3 x", "exp(y) = -x"] {
         let equations = format!(r#""x' = -x", "{equation}""#);
         assert_fault(&quantities, &equations, ["y", message, hint]);
     }

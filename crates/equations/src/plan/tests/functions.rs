@@ -94,6 +94,11 @@ fn limits() {
     assert_nodes("y = min(w, x - p)", &["y = limited(-p + x, none, w)"]);
     assert_nodes("y = limit(x, -w, w)", &["y = limited(x, -w, w)"]);
     assert_nodes("y = min(max(x, -w), w)", &["y = limited(x, -w, w)"]);
+    // A limiter needs a lower bound below the upper one.
+    let nested = ["y = limited(max(x, p), none, w)", "max(x, p) = limited(x, p, none)"];
+    assert_nodes("y = min(max(x, p), w)", &nested);
+    let equal = ["y = limited(max(x, w), none, w)", "max(x, w) = limited(x, w, none)"];
+    assert_nodes("y = limit(x, w, w)", &equal);
     assert_nodes("y = max(x, x^2)", &["y = higher(x, x^2)", "x^2 = x times x"]);
     assert_nodes("y = min(-x, x^2)", &["y = lower(x^2, -x)", "x^2 = x times x", "-x = -1 * x"]);
     let bounds = ["x^2 = x times x", "max(x, -1) = limited(x, -1, none)"];
@@ -125,6 +130,7 @@ fn switches_and_zones() {
 fn delays_tables_and_time() {
     assert_nodes("y = delay(p x, w)", &["y = p * delay(x, w)", "delay(x, w) = delay(x, w) from 0.3"]);
     assert_nodes("y = spring(2 x)", &["y = curve spring(2 * x)"]);
+    assert_nodes("y = spring(p x)", &["y = curve spring(p x)", "p x = p * x"]);
     assert_nodes("y = sin(p t)", &["y = sin(p * t)", "t = integral(1) from 0"]);
 }
 

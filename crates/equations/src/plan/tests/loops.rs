@@ -1,7 +1,8 @@
 //! Systems with several highest derivatives in one equation, and implicit equations.
 
 use super::{count, lines, node_of, operation, planned, planned_system};
-use crate::graph::{Operation, Sum};
+use crate::graph::{Operation, Plan, Sum};
+use crate::symbolic::Fraction;
 
 #[test]
 fn coupled_pendulums_share_the_difference_of_the_sines() {
@@ -90,4 +91,64 @@ fn an_implicit_highest_derivative_has_a_node() {
     ];
     assert_eq!(lines(&plan), expected);
     assert!(plan.quantities.iter().all(|planned| planned.node == node_of(&plan, "x")));
+}
+
+/// The plan of two coupled masses with these equations.
+fn masses(equations: &str) -> Plan {
+    planned(&format!(
+        r#""parameters": {{"m": {{"value": 1, "unit": "1"}}}},
+        "quantities": {{"x": {{"unit": "1", "initial": 1}}, "x'": {{"unit": "1", "initial": 0}},
+                        "y": {{"unit": "1", "initial": 1}}, "y'": {{"unit": "1", "initial": 0}}}},
+        "equations": [{equations}]"#
+    ))
+}
+
+/// Asserts that a node is a sum of these numbers times x and y.
+fn assert_sum(plan: &Plan, name: &str, [x, y]: [f64; 2]) {
+    let mut expected = Sum::term(&Fraction::number(x), node_of(plan, "x"));
+    expected.add(&Fraction::number(y), node_of(plan, "y"));
+    assert_eq!(*operation(plan, name), Operation::Sum(expected), "{name}");
+}
+
+#[test]
+fn a_constant_mass_matrix_is_inverted() {
+    let plan = masses(r#""x'' + 3 y'' = -y", "2 x'' + y'' = -x""#);
+    assert_sum(&plan, "x''", [-0.6, 0.2]);
+    assert_sum(&plan, "y''", [0.2, -0.4]);
+    // The determinant 1 - 6 m contains the parameter.
+    let plan = masses(r#""m (x'' + 3 y'') = -y", "2 x'' + y''/m = -x""#);
+    let Operation::Sum(sum) = operation(&plan, "x''") else { panic!("x'' is a sum") };
+    assert!(sum.terms.keys().all(|node| [node_of(&plan, "x"), node_of(&plan, "y")].contains(node)));
+    assert!(sum.terms.values().all(|factor| factor.contains(&mut |symbol| symbol.is_constant)));
+}
+
+#[test]
+fn a_mass_matrix_that_varies_stays_a_loop() {
+    let plan = masses(r#""x'' + sin(x) y'' = -y", "2 x'' + y'' = -x""#);
+    let Operation::Sum(sum) = operation(&plan, "y''") else { panic!("y'' is a sum") };
+    assert_eq!(sum.terms.len(), 2);
+}
+
+#[test]
+fn an_equation_that_is_rational_in_its_unknown_has_no_loop() {
+    let state = "h = integral(-1/T * h) from 1";
+    let arm = |equation: &str, initial: &str| {
+        let mut found = implicit(equation, initial);
+        assert_eq!(found.remove(0), state);
+        found
+    };
+    let square = "h^2 = h times h";
+    let positive = arm("h^2 + (L arm)^2 = L^2", "");
+    assert!(positive[0].starts_with("arm = root("), "{positive:?}");
+    assert!(positive.contains(&square.to_owned()), "{positive:?}");
+    let negative = arm("h^2 + (L arm)^2 = L^2", r#", "initial": -30"#);
+    assert!(negative[0].starts_with("arm = -1 * sqrt("), "{negative:?}");
+    assert_eq!(arm("1/arm = 1 + h/L", "")[0], "arm = (1) over 1 + h/L");
+}
+
+#[test]
+fn a_cube_is_solved_from_several_starts() {
+    // The derivative of the cube is 0 at 0.
+    let found = implicit("L arm^3 = h", "");
+    assert_eq!(found[1], "arm = zero of -1 * h + L * arm^3");
 }

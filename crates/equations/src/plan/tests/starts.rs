@@ -47,3 +47,29 @@ fn a_delay_starts_with_the_angle_of_a_point() {
     let expected = 0.75 * std::f64::consts::PI;
     assert!((delay_start(quantities, "", equations) - expected).abs() < 1e-12);
 }
+
+#[test]
+fn the_value_before_a_delay_is_an_expression_of_parameters() {
+    let start = |equation: &str| {
+        let plan = planned(&format!(
+            r#""parameters": {{"p": {{"value": 2, "unit": "1"}}, "x0": {{"value": 0.5, "unit": "1"}}}},
+            "quantities": {{"x": {{"unit": "1", "initial": "x0"}}, "past": {{"unit": "1"}}}},
+            "equations": ["x' = -past", "past = delay({equation}, 2)"]"#
+        ));
+        let Operation::Delay { initial, .. } = operation(&plan, "past") else { panic!("past is a delay") };
+        let symbol = |name: &str| plan.symbols.find(name, 0).unwrap();
+        (initial.clone(), initial.contains(&mut |own| own == symbol("x0")))
+    };
+    let is_parametric = |equation: &str| {
+        let (initial, has_x0) = start(equation);
+        has_x0 && initial.as_rational().is_none()
+    };
+    for equation in ["x", "exp(-x/p)", "sqrt(x)", "x/(p + x)", "tanh(x)", "max(x, p)", "abs(x - p)"] {
+        assert!(is_parametric(equation), "{equation}");
+    }
+    for equation in ["dead_zone(x, 0.1 p)", "sin(x) + sign(x - 1) x", "limit(x - p, -p, p)"] {
+        assert!(is_parametric(equation), "{equation}");
+    }
+    // An implicit quantity has no expression.
+    assert!(!is_parametric("atan(x)"));
+}

@@ -11,7 +11,6 @@ use serde_json::{Value, json};
 use super::super::assembly::Assembly;
 use super::super::design::Design;
 use super::super::formula::{Product, json_number};
-use super::super::needs::sign_of;
 use super::super::notes::{signed, term_text};
 use crate::graph::{FunctionKind, NodeId, Operation, Term};
 use crate::peaks::points_in_si;
@@ -59,13 +58,12 @@ fn add_wave(assembly: &mut Assembly<'_>, id: NodeId, kind: &str, argument: &Term
     let design = assembly.design;
     let expressions = &design.table.expressions;
     let (input, polarity) = assembly.any_voltage(argument.node);
-    let coefficient = expressions.value(&argument.coefficient);
     // The sine is odd, and the cosine is even.
-    let sign_of_input = if kind == "sin" { polarity * sign_of(coefficient) } else { 1 };
+    let sign_of_input = if kind == "sin" { polarity * expressions.sign(&argument.coefficient) } else { 1 };
     let sign = sign_of_input * assembly.polarity(id);
     let (amplitude, volts) = reciprocal(design, id, sign);
     check(design, id, ("the amplitude", volts.abs()), (0.0, REFERENCE))?;
-    let angle = Product::one().times(&weight(design, argument), expressions);
+    let angle = Product::one().times(&design.table.size_of(argument), expressions);
     let angle = angle.setting(design.table.weight(argument));
     let wave = ElementBuilder::new(kind).cord("in", &input).set("amplitude", amplitude);
     assembly.add_output(id, wave.set("angle_per_volt", angle));
@@ -77,12 +75,6 @@ fn reciprocal(design: &Design<'_>, id: NodeId, sign: i8) -> (Value, f64) {
     let volts = f64::from(sign) / design.table.value(id);
     let product = Product::one().times_number(f64::from(sign));
     (product.over(design.table.expression(id), &design.table.expressions).setting(volts), volts)
-}
-
-/// The value of an argument per volt of its node, without its sign, as an expression.
-fn weight(design: &Design<'_>, argument: &Term) -> Fraction {
-    let weight = design.table.weighted(argument);
-    if design.table.expressions.value(&argument.coefficient) < 0.0 { weight.negated() } else { weight }
 }
 
 /// The factor between the voltage of an argument and the input of `exp` or `log`, which brings a setting of the element
@@ -120,7 +112,7 @@ pub(in crate::synthesis) fn argument_gain(design: &Design<'_>, id: NodeId) -> Re
 /// for a positive argument.
 fn conditioned(assembly: &mut Assembly<'_>, argument: &Term, gain: f64) -> String {
     let design = assembly.design;
-    let sign = sign_of(design.table.expressions.value(&argument.coefficient));
+    let sign = design.table.expressions.sign(&argument.coefficient);
     let text = term_text(design, &Fraction::whole(1), argument.node);
     let pot_note = |factor: f64, sign: i8| {
         let factor = format_significant(factor, FACTOR_DIGITS);
@@ -151,7 +143,7 @@ fn add_exponential(assembly: &mut Assembly<'_>, id: NodeId, argument: &Term) -> 
     let (reference, volts) = reciprocal(design, id, 1);
     check(design, id, ("the voltage at the argument 0", volts), LEVELS)?;
     let product = Product::one().times_text("ln(10)").times_number(gain);
-    let product = product.over(&weight(design, argument), &design.table.expressions);
+    let product = product.over(&design.table.size_of(argument), &design.table.expressions);
     let input = conditioned(assembly, argument, gain);
     let element = ElementBuilder::new("exp").cord("in", &input).set("reference", reference);
     assembly.add_output(id, element.set("per_decade", product.setting(per_decade)));
@@ -176,7 +168,7 @@ fn add_logarithm(assembly: &mut Assembly<'_>, id: NodeId, argument: &Term) -> Re
     check(design, id, ("the output per decade", volts), PER_DECADE)?;
     let per_decade = Product::one().times_text("ln(10)").over(design.table.expression(id), expressions);
     let level = gain / design.table.weight(argument);
-    let reference = Product::one().times_number(gain).over(&weight(design, argument), expressions);
+    let reference = Product::one().times_number(gain).over(&design.table.size_of(argument), expressions);
     let input = conditioned(assembly, argument, gain);
     let element = ElementBuilder::new("log").cord("in", &input).set("reference", reference.setting(level));
     let element = element.set("per_decade", per_decade.setting(volts));
@@ -215,7 +207,8 @@ fn check(
     Err(design.input.fault(id, message, &hint))
 }
 
-/// Adds a curve of points.
+/// Adds a curve of points, which are numbers: neither the coefficient of the argument nor the scale of its node depends on
+/// parameters.
 ///
 /// # Errors
 /// If the problem does not have the table, or only one of its points is within ±100 V.

@@ -151,10 +151,9 @@ pub(super) fn add_delay(
     Ok(())
 }
 
-/// The setting of a delay line in machine seconds. A number, and a time in a problem of pure numbers, has no unit, so no
-/// formula can express it.
+/// The setting of a delay line in machine seconds. A number has no unit, so no formula can express it.
 fn delay_setting(design: &Design<'_>, time: &Fraction, delay: f64) -> Value {
-    if time.as_rational().is_some() || design.input.circuit.is_time_dimensionless() {
+    if time.as_rational().is_some() {
         return json_number(delay);
     }
     let product = Product::one().times(time, &design.table.expressions);

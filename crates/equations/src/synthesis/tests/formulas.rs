@@ -79,6 +79,17 @@ fn sums_are_in_parentheses_if_they_are_factors() {
 }
 
 #[test]
+fn sums_have_the_factors_that_all_terms_have() {
+    assert_eq!(text("2 k (0.5 m^2 q + r)/m^2"), "k * (q + 2 * r / m^2)");
+    assert_eq!(text("2 (0.5 m^2 q + r)/m^2"), "q + 2 * r / m^2");
+    assert_eq!(text("(q + 2 r/m)/m"), "(q + 2 * r / m) / m");
+    assert_eq!(text("3 q + 6 r"), "3 * (q + 2 * r)");
+    assert_eq!(text("q/2 - r/3"), "0.5 * q - r / 3");
+    assert_eq!(text("-k q - k r"), "-k * (q + r)");
+    assert_eq!(text("1/(q + 2 r/m)"), "m / (2 * r + m * q)");
+}
+
+#[test]
 fn functions_of_parameters_are_written() {
     let sketch = sketch();
     let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);

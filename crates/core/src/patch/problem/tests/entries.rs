@@ -134,6 +134,9 @@ fn names_are_unique_and_not_reserved() {
     fault(renamed("push", "floor"), Code::BAD_NAME, "\"floor\" cannot name a drive", hint);
     let hint = "it is the name of a function";
     fault(renamed("spring", "sign"), Code::BAD_NAME, "\"sign\" cannot name a table", hint);
+    fault(renamed("f", "step"), Code::BAD_NAME, "\"step\" cannot name a quantity", hint);
+    fault(renamed("push", "delay"), Code::BAD_NAME, "\"delay\" cannot name a drive", hint);
+    fault(renamed("n", "limit"), Code::BAD_NAME, "\"limit\" cannot name a parameter", hint);
     fault(renamed("push", "run"), Code::BAD_NAME, "\"run\" cannot name a drive", "the name is reserved");
 }
 
