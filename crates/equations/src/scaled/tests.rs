@@ -84,7 +84,7 @@ fn a_product_and_an_absolute_value_with_scales_of_their_own_have_factors() {
     // 2500 mm2 are 25 V.
     // The multiplier has p with another scale, and a good peak.
     assert_eq!(reason(&made, "p"), None);
-    let pot = made.peaks.iter().filter(|peak| peak.quantity == "p").next_back();
+    let pot = made.peaks.iter().rfind(|peak| peak.quantity == "p");
     assert_eq!(pot.and_then(|pot| pot.reason), Some("the problem prescribes its scale"));
     assert_eq!(reason(&made, "x"), None);
 }

@@ -1,7 +1,5 @@
 //! Long expressions: they keep their values, although they are not multiplied out.
 
-use std::time::{Duration, Instant};
-
 use super::assert_equal;
 use crate::symbolic::{Fraction, partial_derivative, value};
 use crate::testing::reading::read;
@@ -9,9 +7,6 @@ use crate::testing::{Point, symbol};
 
 /// The values of x, y, z, p and q.
 const POINT: Point = Point([0.7, -0.4, 2.0, 1.3, 0.9]);
-
-/// Time in which each expression of these tests is in normal form, with a wide margin.
-const LONGEST: Duration = Duration::from_secs(20);
 
 /// Asserts that a value is near another one.
 fn assert_near(found: f64, expected: f64) {
@@ -48,17 +43,14 @@ fn a_long_sum_without_negative_terms_has_a_known_sign() {
 
 #[test]
 fn many_quotients_have_a_sum() {
-    let begin = Instant::now();
     let text: Vec<String> = (1..=12).map(|index| format!("{index}/(x + {index} z + {index})")).collect();
     let sum = read(&text.join(" + "));
     let expected: f64 = (1..=12).map(f64::from).map(|index| index / (0.7 + 3.0 * index)).sum();
     assert_near(value(&sum, &POINT), expected);
-    assert!(begin.elapsed() < LONGEST, "{:?}", begin.elapsed());
 }
 
 #[test]
 fn products_of_maxima_and_quotients_of_quotients_have_values() {
-    let begin = Instant::now();
     let maxima = "max(x, y) max(x, p) max(y, q) max(x, q) max(x, z) max(y, p) max(z, q) max(z, p) max(x, 3)";
     assert_near(value(&read(maxima), &POINT), 0.7 * 1.3 * 0.9 * 0.9 * 2.0 * 1.3 * 2.0 * 2.0 * 3.0);
     let quotients =
@@ -67,7 +59,6 @@ fn products_of_maxima_and_quotients_of_quotients_have_values() {
     let divisors = [z, z + q.powi(3), x + p.powi(3), z + q * q, x + p * p, z + q, x + p, 1.0];
     let expected = divisors.into_iter().fold(0.0, |inner, own| (own + inner).recip());
     assert_near(value(&read(quotients), &POINT), expected);
-    assert!(begin.elapsed() < LONGEST, "{:?}", begin.elapsed());
 }
 
 #[test]
