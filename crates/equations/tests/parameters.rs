@@ -60,7 +60,7 @@ fn the_argument_of_a_table_follows_its_coefficient() {
         "equations": ["x' = -x", "y = f(a x)"]"#,
     );
     assert_last(&patch, &[], "y", decayed());
-    assert_last(&patch, &[("a", 0.7)], "y", 1.4 * decayed());
+    assert_last(&patch, &[("a", 0.3)], "y", 0.6 * decayed());
 }
 
 #[test]
@@ -130,7 +130,8 @@ fn a_constant_mass_matrix_is_inverted() {
     let patch = scaled(
         r#""parameters": {"m": {"value": 1, "unit": "1", "range": [0.8, 1.2]}},
         "quantities": {"x": {"unit": "1", "initial": 1}, "x'": {"unit": "1", "initial": 0},
-                       "y": {"unit": "1", "initial": 0.5}, "y'": {"unit": "1", "initial": 0}},
+                       "y": {"unit": "1", "initial": 0.5},
+                       "y'": {"unit": "1", "initial": 0, "per_volt": 0.0004}},
         "equations": ["m x'' + 3 y'' = -y", "2 x'' + y'' = -x"]"#,
     );
     // x and y at the end, by 20000 steps of the method of Runge and Kutta.
