@@ -16,8 +16,7 @@ use super::outputs::Outputs;
 use super::standard_streams::check_input;
 use super::table::Table;
 use super::{print, print_json};
-use patchcord::circuit::Circuit;
-use patchcord::document::{DiagnosticDocument, DocumentError, Report, escape_controls, plural};
+use patchcord::document::{DiagnosticDocument, DocumentError, escape_controls, plural};
 use patchcord::equations::{
     NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
 };
