@@ -126,6 +126,25 @@ fn a_coefficient_of_0_can_be_changed_in_its_range() {
 }
 
 #[test]
+fn signs_and_steps_of_parameters_follow_them() {
+    let with = |value: &str, c: &str| {
+        scaled(&format!(
+            r#""parameters": {{"c": {{"value": {c}, "unit": "1", "range": [0, 1]}}}},
+            "quantities": {{"x": {{"unit": "1", "initial": 1}}}}, "equations": ["x' = -x + {value}"]"#
+        ))
+    };
+    // With a constant a in place of the sign or the step, x is a + (1 - a) exp(-t).
+    let expected = |a: f64| a + (1.0 - a) * decayed();
+    let sign = with("0.5 sign(c)", "0");
+    assert_last(&sign, &[], "x", expected(0.0));
+    assert_last(&sign, &[("c", 0.7)], "x", expected(0.5));
+    let step = with("step(c - 0.5)", "0.7");
+    assert_last(&step, &[], "x", expected(1.0));
+    assert_last(&step, &[("c", 0.5)], "x", expected(1.0));
+    assert_last(&step, &[("c", 0.2)], "x", expected(0.0));
+}
+
+#[test]
 fn a_constant_mass_matrix_is_inverted() {
     let patch = scaled(
         r#""parameters": {"m": {"value": 1, "unit": "1", "range": [0.8, 1.2]}},

@@ -1,6 +1,6 @@
 //! Stated maxima that the solution exceeds.
 
-use patchcord_core::document::{Diagnostic, format_number};
+use patchcord_core::document::{Diagnostic, format_number, unit_suffix};
 use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 
@@ -8,6 +8,9 @@ use crate::findings::codes;
 use crate::graph::Plan;
 use crate::peaks::Ranges;
 use crate::synthesis::{ScaleOptions, exceeds_reference};
+
+/// What to do about a kept maximum that is too small.
+pub(super) const LARGER_MAXIMUM: &str = "state a larger \"maximum\", or let the scales follow from the peaks";
 
 /// A warning for each quantity that exceeds its stated maximum. Its scale follows from its peak.
 ///
@@ -36,12 +39,11 @@ fn exceeded(name: &str, quantity: &ProblemQuantity, peak: f64, is_kept: bool) ->
     if !exceeds_reference(peak, maximum.value / REFERENCE) {
         return None;
     }
-    let unit = if quantity.unit.text() == "1" { String::new() } else { format!(" {}", quantity.unit.text()) };
+    let unit = unit_suffix(quantity.unit.text());
     let [peak, stated] = [peak, maximum.value].map(format_number);
     let message = format!("{name} reaches {peak}{unit}, and its maximum is {stated}{unit}");
     Some(if is_kept {
-        let hint = "state a larger \"maximum\", or let the scales follow from the peaks";
-        Diagnostic::at(codes::NO_CIRCUIT, maximum.span, message).hint(hint)
+        Diagnostic::at(codes::NO_CIRCUIT, maximum.span, message).hint(LARGER_MAXIMUM)
     } else {
         let hint = "the scale follows from the peak: state a larger \"maximum\"";
         Diagnostic::at(codes::EXCEEDED_MAXIMUM, maximum.span, message).hint(hint)

@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 
 use patchcord_core::circuit::{Circuit, RangeCheck};
+use patchcord_core::document::unit_suffix;
 use patchcord_core::patch::Patch;
 use patchcord_expr::{format_significant, round_significant};
 use serde::Serialize;
@@ -48,7 +49,7 @@ pub struct NarrowedRange {
 impl NarrowedRange {
     /// The ranges as a sentence: `range of k: 1 ... 1.9 1/s, where all settings are valid (problem: 1 ... 3 1/s)`.
     pub fn text(&self) -> String {
-        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let unit = unit_suffix(&self.unit);
         let ends = |range: [f64; 2]| {
             let [low, high] = range.map(|end| format_significant(end, TEXT_DIGITS));
             format!("{low} ... {high}{unit}")

@@ -29,7 +29,7 @@ pub(super) struct Product {
     factors: Vec<Factor>,
     /// The exponent of the time scale, which is the last factor.
     time_scale: i32,
-    /// Whether all factors have a text. A step, a table and a delay have none.
+    /// Whether all factors have a text. A table and a delay have none.
     is_writable: bool,
 }
 
@@ -288,23 +288,29 @@ fn atom_text(atom: &Atom, expressions: &Expressions<'_>) -> Option<String> {
         Atom::Symbol(symbol) => return Some(expressions.name(*symbol).to_owned()),
         Atom::Apply(applied) => applied,
     };
+    let argument = |argument: &Fraction| Product::one().times(argument, expressions).text();
     let name = match applied.operation {
+        Operation::Step => return Some(step_text(&argument(applied.arguments.first()?)?)),
         Operation::Absolute => "abs",
         Operation::Minimum => "min",
         Operation::Maximum => "max",
         // The argument in parentheses.
         Operation::Group => "",
         Operation::Call(CallOrder(function)) => function.name(),
-        Operation::Step
-        | Operation::Table(_)
+        Operation::Table(_)
         | Operation::TableSlope(_)
         | Operation::Delay
         | Operation::Limit
         | Operation::Sign => return None,
     };
-    let argument = |argument: &Fraction| Product::one().times(argument, expressions).text();
     let arguments: Option<Vec<String>> = applied.arguments.iter().map(argument).collect();
     Some(format!("{name}({})", arguments?.join(", ")))
+}
+
+/// The step of an expression in the functions of formulas. The angle of the point (|x|, min(x, 0)) is -pi/4 if x is below
+/// 0, otherwise 0, for x of any unit.
+fn step_text(argument: &str) -> String {
+    format!("(1 + floor(atan2(min({argument}, 0), abs({argument}))))")
 }
 
 /// A number of a document, without the rounding of its computation. A whole number has no decimal point.

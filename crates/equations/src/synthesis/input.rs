@@ -2,6 +2,7 @@
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
+use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 use patchcord_expr::{Dimension, Unit, split_primes};
 
@@ -18,8 +19,6 @@ use crate::positions::node_span;
 const SUMMER_GAINS: [f64; 2] = [1.0, 10.0];
 /// Gains of integrators on a machine without a list of gains, per machine second.
 const INTEGRATOR_GAINS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
-/// The voltage that represents a stated maximum.
-const VOLTS_OF_MAXIMUM: f64 = 100.0;
 
 /// What the synthesis reads.
 #[derive(Debug)]
@@ -153,7 +152,7 @@ impl<'a> Input<'a> {
             return None;
         }
         let of_maximum = |quantity: &ProblemQuantity| {
-            Some(quantity.unit.to_si(quantity.maximum.as_ref()?.value) / VOLTS_OF_MAXIMUM)
+            Some(quantity.unit.to_si(quantity.maximum.as_ref()?.value) / REFERENCE)
         };
         self.prescribed_scale(id).or_else(|| self.quantities(id).find_map(of_maximum))
     }

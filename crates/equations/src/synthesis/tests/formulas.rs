@@ -1,12 +1,13 @@
 //! The text of constant expressions.
 
+use patchcord_core::circuit::Circuit;
 use patchcord_expr::{Dimension, Formula};
 use serde_json::json;
 
 use super::super::expressions::Expressions;
 use super::super::formula::{Product, json_number};
 use super::Sketch;
-use crate::symbolic::{Fraction, absolute, opaque, root, step};
+use crate::symbolic::{Fraction, absolute, opaque, root};
 
 /// A problem with some parameters.
 fn sketch() -> Sketch {
@@ -97,16 +98,40 @@ fn functions_of_parameters_are_written() {
     assert_eq!(written(&root(&sketch.read("k q"))).as_deref(), Some("sqrt(k * q)"));
     let difference = sketch.read("r - q");
     assert!(written(&absolute(&difference)).unwrap().starts_with("abs("));
-    // Formulas have no step and no table.
-    assert_eq!(written(&step(&difference)), None);
+    // Formulas have no table.
     assert_eq!(written(&opaque(crate::symbolic::Operation::Table(0), vec![difference])), None);
+}
+
+#[test]
+fn signs_and_steps_of_parameters_are_written() {
+    assert_eq!(text("step(r + q)"), "1");
+    assert_eq!(text("step(r - q)"), "(1 + floor(atan2(min(r - q, 0), abs(r - q))))");
+    for expression in ["step(r - 0.2)", "step(0.2 - r)", "k step(c - 2 m k)", "sign(q - r)", "sign(-r - 1)"] {
+        text(expression);
+    }
+    let patch = sketch().problem.patch;
+    let cases = [
+        ("step(r - q)", 0.3, 1.0),
+        ("step(r - q)", 0.300_000_000_000_000_04, 0.0),
+        ("step(r - q)", 1e300, 0.0),
+        ("step(r - q)", 0.2, 1.0),
+        ("step(-q)", 0.0, 1.0),
+        ("step(-q)", 3e-300, 0.0),
+        ("sign(r - q)", 0.3, 0.0),
+    ];
+    for (expression, q, expected) in cases {
+        let circuit =
+            Circuit::with_parameters(&patch, [("q", q)]).unwrap_or_else(|report| panic!("{report}"));
+        let formula = Formula::parse(&text(expression)).unwrap();
+        assert_eq!(formula.evaluate(circuit.quantities()), Ok(expected), "{expression} at q = {q}");
+    }
 }
 
 #[test]
 fn a_setting_without_a_text_is_a_number() {
     let sketch = sketch();
     let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
-    let without_text = step(&sketch.read("r - q"));
+    let without_text = opaque(crate::symbolic::Operation::Table(0), vec![sketch.read("r")]);
     assert_eq!(Product::one().times(&without_text, &expressions).setting(0.25), json!(0.25));
     assert_eq!(Product::one().over_number(3.0).setting(1.0 / 3.0), json!(0.333333333333333));
     assert_eq!(Product::one().times(&sketch.read("k"), &expressions).setting(40.0), json!("k"));
