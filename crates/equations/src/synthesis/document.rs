@@ -7,7 +7,7 @@ use patchcord_core::machines::DEFAULT_MACHINE;
 use patchcord_core::patch::{
     Amount, ElementBuilder, Patch, PatchBuilder, Problem, ScaleBuilder, SignalBuilder,
 };
-use patchcord_expr::{Equation, Expression, FormulaDimension, Node, split_primes};
+use patchcord_expr::{Equation, FormulaDimension, split_primes};
 use serde_json::{Map, Value, json};
 
 use super::assembly::Assembly;
@@ -237,7 +237,7 @@ fn with_equations(builder: PatchBuilder, design: &Design<'_>) -> PatchBuilder {
     let problem = design.input.problem;
     let equations = problem.patch.equations.iter().map(|placed| &placed.value);
     let is_stated =
-        |equation: &&Equation| !applies_table(problem, equation) && !starts_solution(design, equation);
+        |equation: &&Equation| !problem.applies_table(equation) && !starts_solution(design, equation);
     let stated: Vec<&Equation> = equations.filter(is_stated).collect();
     if stated.is_empty() {
         return builder.section("positive_feedback", true);
@@ -290,23 +290,6 @@ fn starts_solution(design: &Design<'_>, equation: &Equation) -> bool {
     let planned = quantities.find(|quantity| quantity.name == name);
     planned
         .is_none_or(|quantity| !matches!(design.input.operation(quantity.node), Operation::Integral { .. }))
-}
-
-/// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.
-fn applies_table(problem: &Problem, equation: &Equation) -> bool {
-    [equation.left(), equation.right()].into_iter().any(|side| contains_table(problem, side))
-}
-
-/// Whether an expression applies a table of the problem.
-fn contains_table(problem: &Problem, node: &Node) -> bool {
-    let any = |nodes: &[Node]| nodes.iter().any(|node| contains_table(problem, node));
-    match &node.expression {
-        Expression::Number(_) | Expression::Name(_) => false,
-        Expression::Negate(inner) => contains_table(problem, inner),
-        Expression::Binary(_, left, right) => contains_table(problem, left) || contains_table(problem, right),
-        Expression::Call(_, arguments) => any(arguments),
-        Expression::Apply(name, arguments) => problem.tables.contains_key(name) || any(arguments),
-    }
 }
 
 /// The signals of the quantities.
