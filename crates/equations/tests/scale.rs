@@ -153,6 +153,18 @@ fn the_sign_of_a_limiter_at_0_is_0() {
 }
 
 #[test]
+fn the_sign_of_a_sum_that_stays_at_0_is_0() {
+    // x rises from -1 to 1. The sums are 0 below 0, above 0, and above -0.3.
+    let quantities = r#""x": {"unit": "1", "initial": -1}, "y": {"unit": "1", "initial": 0}"#;
+    let cases = [("x + abs(x)", 1.0), ("x - max(x, 0)", -1.0), ("x - limit(x, -0.3, 1)", -0.7)];
+    for (argument, expected) in cases {
+        let equations = format!(r#""x' = 1", "y' = sign({argument})""#);
+        let (_, last) = last_value(quantities, &equations, "y");
+        assert!((last - expected).abs() < 1e-9, "{argument}: {last}");
+    }
+}
+
+#[test]
 fn the_patch_is_the_same_in_every_run() {
     let path = problem_file("slideway");
     assert_eq!(scaled(&path).patch.text(), scaled(&path).patch.text());

@@ -1,14 +1,14 @@
 //! Signs of quantities that can stay at 0.
 //!
 //! A comparator has two outputs, so the sign of f with one comparator is 1 while f is 0. That does not matter if f only
-//! passes 0. A dead zone, a limiter or a step can stay at 0, and then the sign has to be 0, as in a three-point
-//! controller. Such a sign is step(f) - step(-f), from two comparators.
+//! passes 0. A dead zone, a limiter or a step can stay at 0, and so can a sum such as x + |x|. Then the sign has to be 0,
+//! as in a three-point controller. Such a sign is step(f) - step(-f), from two comparators.
 
 use patchcord_core::patch::Problem;
 use patchcord_expr::Dimension;
 
 use super::builder::{Entry, NameKind};
-use crate::graph::{NodeId, Operation, Sum};
+use crate::graph::{NodeId, ONE, Operation, Sum};
 use crate::notation::Notation;
 use crate::symbolic::Fraction;
 
@@ -79,9 +79,9 @@ fn step(notation: Notation, input: NodeId) -> Entry {
 fn resting(entries: &[Entry], problem: &Problem) -> Vec<bool> {
     let mut rests = vec![false; entries.len()];
     loop {
-        let operations = entries.iter().map(|entry| entry.operation.as_ref());
-        let found = operations.map(|own| own.is_some_and(|operation| can_rest(operation, &rests, problem)));
-        let found: Vec<bool> = found.collect();
+        let can_rest = |operation: &Operation| can_rest(operation, entries, &rests, problem);
+        let found: Vec<bool> =
+            entries.iter().map(|entry| entry.operation.as_ref().is_some_and(can_rest)).collect();
         if found == rests {
             return rests;
         }
@@ -90,9 +90,9 @@ fn resting(entries: &[Entry], problem: &Problem) -> Vec<bool> {
 }
 
 /// Whether a node with this operation can keep a value for some time, if that of its inputs is known.
-fn can_rest(operation: &Operation, rests: &[bool], problem: &Problem) -> bool {
+fn can_rest(operation: &Operation, entries: &[Entry], rests: &[bool], problem: &Problem) -> bool {
     let of = |node: &NodeId| rests[node.0 as usize];
-    let of_sum = |sum: &Sum| sum.terms.keys().all(of);
+    let of_sum = |sum: &Sum| sum.terms.keys().all(of) || can_cancel(sum, entries);
     match operation {
         Operation::One
         | Operation::Limited { .. }
@@ -115,4 +115,27 @@ fn can_rest(operation: &Operation, rests: &[bool], problem: &Problem) -> bool {
             of(&input.node) || table.is_some_and(|table| table.points.windows(2).any(is_flat))
         }
     }
+}
+
+/// Whether terms of a sum can cancel each other for some time: one is made of straight segments, and another one is an
+/// argument of it, as in x - limit(x, -1, 1).
+fn can_cancel(sum: &Sum, entries: &[Entry]) -> bool {
+    let is_term = |node: &NodeId| *node != ONE && sum.terms.contains_key(node);
+    sum.terms.keys().any(|node| match &entries[node.0 as usize].operation {
+        Some(operation) if has_segments(operation) => operation.inputs().iter().any(is_term),
+        _ => false,
+    })
+}
+
+/// Whether an operation consists of straight segments.
+fn has_segments(operation: &Operation) -> bool {
+    matches!(
+        operation,
+        Operation::Limited { .. }
+            | Operation::DeadZone { .. }
+            | Operation::Absolute(_)
+            | Operation::Lower(_)
+            | Operation::Higher(_)
+            | Operation::Curve { .. }
+    )
 }
