@@ -5,7 +5,7 @@ use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 
 use crate::findings::codes;
-use crate::graph::Plan;
+use crate::graph::{NodeId, Plan};
 use crate::peaks::Ranges;
 use crate::synthesis::{ScaleOptions, exceeds_reference};
 
@@ -24,6 +24,9 @@ pub(super) fn checked_maxima(
 ) -> Result<Vec<Diagnostic>, Vec<Diagnostic>> {
     let finding = |(name, quantity): (&String, &ProblemQuantity)| {
         let planned = plan.quantities.iter().find(|planned| planned.name == *name)?;
+        if has_prescribed_scale(plan, problem, planned.node) {
+            return None;
+        }
         let [low, high] = ranges.nodes[planned.node.0 as usize];
         exceeded(name, quantity, low.abs().max(high.abs()), options.keeps_maxima)
     };
@@ -31,10 +34,16 @@ pub(super) fn checked_maxima(
     if options.keeps_maxima && !findings.is_empty() { Err(findings) } else { Ok(findings) }
 }
 
-/// The diagnostic of a quantity with this peak in SI units. `None` if it does not exceed its maximum, or if its scale is
-/// prescribed.
+/// Whether the problem prescribes the scale of a node, by any of its names.
+fn has_prescribed_scale(plan: &Plan, problem: &Problem, node: NodeId) -> bool {
+    let mut names =
+        plan.quantities.iter().filter(|planned| planned.node == node).map(|planned| &planned.name);
+    names.any(|name| problem.quantities.get(name).is_some_and(|quantity| quantity.per_volt.is_some()))
+}
+
+/// The diagnostic of a quantity with this peak in SI units. `None` if it does not exceed its maximum.
 fn exceeded(name: &str, quantity: &ProblemQuantity, peak: f64, is_kept: bool) -> Option<Diagnostic> {
-    let maximum = quantity.maximum.as_ref().filter(|_| quantity.per_volt.is_none())?;
+    let maximum = quantity.maximum.as_ref()?;
     let peak = quantity.unit.out_of_si(peak);
     if !exceeds_reference(peak, maximum.value / REFERENCE) {
         return None;

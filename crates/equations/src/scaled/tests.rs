@@ -90,6 +90,25 @@ fn a_product_and_an_absolute_value_with_scales_of_their_own_have_factors() {
 }
 
 #[test]
+fn every_maximum_that_is_kept_is_100_volts() {
+    let quantities = r#""x": {"unit": "mm", "initial": 50, "maximum": 60},
+        "p": {"unit": "mm2", "maximum": 3000}, "q": {"unit": "mm", "maximum": 80}"#;
+    let equations = r#""x' = -x/T", "p = x^2", "q = abs(x)""#;
+    let keeps_maxima = ScaleOptions { keeps_maxima: true, ..ScaleOptions::default() };
+    let made = scaled(quantities, equations, &keeps_maxima);
+    for (name, per_volt, equation) in [
+        ("x", 0.6, "[x]' = -[x]"),
+        // 100 V x 0.6 mm x 0.6 mm / 30 mm2 = 1.2.
+        ("p", 30.0, "[p] = 1.2 [x]^2/100"),
+        ("q", 0.8, "[q] = 0.75 abs([x])"),
+    ] {
+        let row = row(&made, name);
+        assert!((row.per_volt / per_volt - 1.0).abs() < 1e-12, "{name}: {}", row.per_volt);
+        assert_eq!(row.scaled_equation, equation);
+    }
+}
+
+#[test]
 fn the_reason_for_a_low_peak_is_that_of_the_choice() {
     let quantities = r#""x": {"unit": "mm", "initial": 0, "maximum": 100},
         "x'": {"unit": "mm/s", "initial": 72}, "z": {"unit": "mm2"}"#;
@@ -142,6 +161,18 @@ fn a_kept_maximum_with_which_an_amplifier_overloads_is_an_error() {
     assert_eq!(finding.span, problem.quantities["x"].maximum.as_ref().map(|maximum| maximum.span));
     let free = scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert!(row(&free, "x").per_volt > 0.5);
+}
+
+#[test]
+fn a_maximum_has_no_effect_if_another_name_prescribes_the_scale() {
+    let quantities = r#""x": {"unit": "mm", "initial": 0}, "v": {"unit": "mm/s", "maximum": 10},
+        "x'": {"unit": "mm/s", "initial": 72, "per_volt": 1}"#;
+    let equations = r#""x'' = -w^2 x", "v = x'""#;
+    for keeps_maxima in [false, true] {
+        let made = scaled(quantities, equations, &ScaleOptions { keeps_maxima, ..ScaleOptions::default() });
+        assert!(made.warnings.findings.is_empty(), "{}", made.warnings);
+        assert!((row(&made, "v").per_volt - 1.0).abs() < 1e-12);
+    }
 }
 
 #[test]

@@ -57,12 +57,15 @@ impl<'a> Input<'a> {
         let (mut centred, mut nodes) = (plan.clone(), ranges.nodes.clone());
         centre_angles(&mut centred, &mut nodes);
         let mut labels = labels(&centred);
-        let is_prescribed =
-            |name: &String| problem.quantities.get(name).is_some_and(|quantity| quantity.per_volt.is_some());
+        let has_own_scale = |name: &String| {
+            problem.quantities.get(name).is_some_and(|quantity| {
+                quantity.per_volt.is_some() || (options.keeps_maxima && quantity.maximum.is_some())
+            })
+        };
         let expressions = Expressions::new(&centred.symbols, circuit);
         let unsettled = unsettled_scales(&centred, &|constant| expressions.has_parameters(constant));
         let needs_own_scale =
-            |id: NodeId| unsettled.contains(&id) || labels[id.0 as usize].iter().any(is_prescribed);
+            |id: NodeId| unsettled.contains(&id) || labels[id.0 as usize].iter().any(has_own_scale);
         let Rescaled { plan, origins, order } = rescaled(&centred, &needs_own_scale);
         for origin in origins {
             nodes.push(nodes[origin.0 as usize]);
