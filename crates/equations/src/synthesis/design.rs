@@ -6,7 +6,7 @@ use patchcord_expr::format_significant;
 use serde_json::Value;
 
 use super::Scales;
-use super::formula::Product;
+use super::formula::SettingFormula;
 use super::gains::{Coefficient, GAIN_OF_SUMMER, Route, route};
 use super::input::Input;
 use super::names::ScaleNames;
@@ -264,7 +264,7 @@ impl<'a> Design<'a> {
             is_unbounded: expressions.has_unbounded_parameters(&ratio),
         };
         let route = choose(&in_volts).ok_or(in_volts.value)?;
-        let product = Product::one()
+        let product = SettingFormula::one()
             .times(&positive, expressions)
             .times(&entry.expression, expressions)
             .over(&total.expression, expressions)

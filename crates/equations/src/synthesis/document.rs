@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use super::assembly::Assembly;
 use super::design::Design;
-use super::formula::{Product, exact_number, json_number};
+use super::formula::{SettingFormula, exact_number, json_number};
 use super::input::Input;
 use super::layout::layout;
 use crate::graph::{NodeId, Operation, PlannedQuantity};
@@ -190,7 +190,9 @@ fn scale_of_quantity(design: &Design<'_>, index: usize, quantity: &PlannedQuanti
     let in_unit = unit.out_of_si(entry.value);
     let per_volt = match (&entry.name, &entry.definition) {
         (Some(name), _) if name != design.names.of_quantity(index) => Value::from(name.as_str()),
-        (_, Some(definition)) => Product::one().times(definition, &design.table.expressions).setting(in_unit),
+        (_, Some(definition)) => {
+            SettingFormula::one().times(definition, &design.table.expressions).setting(in_unit)
+        }
         _ => json_number(in_unit),
     };
     let scale = ScaleBuilder::new(per_volt, unit.text());

@@ -1,6 +1,6 @@
 //! Coefficients as pots, gains and cords: coefficient = pot x gain x number of equal cords.
 
-use super::formula::Product;
+use super::formula::SettingFormula;
 
 /// The largest number of equal cords from one output to one amplifier.
 pub(super) const MOST_CORDS: u32 = 5;
@@ -79,7 +79,7 @@ impl Route {
     }
 
     /// Divides the product of a coefficient by the factor of everything after the pot.
-    pub(super) fn setting(&self, coefficient: Product) -> Product {
+    pub(super) fn setting(&self, coefficient: SettingFormula) -> SettingFormula {
         coefficient.over_number(self.factor())
     }
 }
