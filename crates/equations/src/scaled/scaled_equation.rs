@@ -10,7 +10,7 @@ use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::Problem;
 use patchcord_expr::Unit;
 
-use super::products::{measured_times, number, product, quotient, square, times};
+use super::products::{number, product, quotient, square, times, times_with_unit};
 use crate::graph::{ConstantValues, NodeId, Operation, Plan, Sum, Term};
 use crate::notation::{Comparison, Condition, Notation, Relation, WrittenEquation, rounded, text};
 use crate::symbolic::Fraction;
@@ -180,7 +180,7 @@ impl<'a> ScaledEquations<'a> {
         let Some((input_unit, output_unit)) = units else {
             return times(1.0 / scale, call(table, vec![times(per_volt, operand)]));
         };
-        let value = call(table, vec![measured_times(per_volt, input_unit, operand)]);
+        let value = call(table, vec![times_with_unit(per_volt, input_unit, operand)]);
         in_volts(value, output_unit, scale)
     }
 
