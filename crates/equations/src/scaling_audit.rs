@@ -11,8 +11,7 @@ use patchcord_expr::split_primes;
 
 use crate::derive::System;
 use crate::graph::ConstantValues;
-use crate::notation::primed;
-use crate::notation::text;
+use crate::notation::{primed, text};
 use crate::static_check::stated::{Alias, Stated, aliases};
 use crate::symbolic::{Fraction, partial_derivative};
 use crate::writing::Writer;
