@@ -134,6 +134,7 @@ enum Factor {
 
 /// The stated equations of a circuit, each solved for a quantity.
 struct Audit<'a> {
+    /// The circuit.
     circuit: &'a Circuit,
     /// The names of the quantities.
     system: System,
@@ -141,6 +142,7 @@ struct Audit<'a> {
     constants: ConstantValues,
     /// The names that equations give to derivatives.
     aliases: Vec<Alias<'a>>,
+    /// The solved equations.
     solved: Vec<SolvedEquation>,
 }
 

@@ -118,6 +118,7 @@ mod tests {
     use super::*;
     use crate::notation::text;
 
+    /// The name of a quantity.
     fn name(name: &str) -> Notation {
         Notation::Name { name: name.to_owned(), primes: 0 }
     }

@@ -50,6 +50,7 @@ fn reason(scaled: &ScaledProblem, quantity: &str) -> Option<&'static str> {
     scaled.peaks.iter().find(|peak| peak.quantity == quantity).unwrap_or_else(|| panic!("{quantity}")).reason
 }
 
+/// An equation of the position x in mm. Its angular frequency is w.
 const OSCILLATION: &str = r#""x'' = -w^2 x""#;
 
 #[test]

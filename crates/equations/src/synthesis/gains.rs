@@ -130,7 +130,9 @@ fn chosen(coefficient: &Coefficient, routes: &[Route]) -> Option<Route> {
 mod tests {
     use super::*;
 
+    /// The gains of a summer.
     const SUMMER: [f64; 2] = [1.0, 10.0];
+    /// The gains of an integrator.
     const INTEGRATOR: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
     /// A coefficient that depends on no parameter.
@@ -148,6 +150,7 @@ mod tests {
         Coefficient { is_unbounded: true, ..variable(value, value) }
     }
 
+    /// A route with one cord.
     fn cord(has_pot: bool, gain: f64) -> Option<Route> {
         Some(Route { has_pot, gain, ..Route::POT })
     }

@@ -57,15 +57,12 @@ impl<'a> Input<'a> {
         let (mut centred, mut nodes) = (plan.clone(), ranges.nodes.clone());
         centre_angles(&mut centred, &mut nodes);
         let mut labels = labels(&centred);
-        let has_own_scale = |name: &String| {
-            problem.quantities.get(name).is_some_and(|quantity| {
-                quantity.per_volt.is_some() || (options.keeps_maxima && quantity.maximum.is_some())
-            })
-        };
         let expressions = Expressions::new(&centred.symbols, circuit);
         let unsettled = unsettled_scales(&centred, &|constant| expressions.has_parameters(constant));
+        let fixes_scale =
+            |name: &String| problem.quantities.get(name).is_some_and(|it| has_scale(it, options));
         let needs_own_scale =
-            |id: NodeId| unsettled.contains(&id) || labels[id.0 as usize].iter().any(has_own_scale);
+            |id: NodeId| unsettled.contains(&id) || labels[id.0 as usize].iter().any(fixes_scale);
         let Rescaled { plan, origins, order } = rescaled(&centred, &needs_own_scale);
         for origin in origins {
             nodes.push(nodes[origin.0 as usize]);
@@ -191,6 +188,11 @@ impl<'a> Input<'a> {
         let span = declared.or_else(|| node_span(&self.plan, self.problem, id));
         Diagnostic { code: codes::NO_CIRCUIT, span, message, hint: Some(hint.to_owned()) }
     }
+}
+
+/// Whether the problem fixes the scale of a quantity: by `per_volt`, or by a maximum that is kept.
+fn has_scale(quantity: &ProblemQuantity, options: &ScaleOptions) -> bool {
+    quantity.per_volt.is_some() || (options.keeps_maxima && quantity.maximum.is_some())
 }
 
 /// The names of the quantities of each node. Names without primes come first.
