@@ -166,8 +166,21 @@ impl Builder<'_> {
 
     /// A function that a function generator computes.
     pub(super) fn generated(&mut self, kind: FunctionKind, argument: &Sum) -> Sum {
-        let argument = self.factored(argument);
+        let argument = match kind {
+            FunctionKind::Sin | FunctionKind::Cos => self.factored(argument),
+            FunctionKind::Exp | FunctionKind::Ln => self.nonzero_term(argument),
+        };
         Sum::node(self.add(Operation::Function { kind, argument }))
+    }
+
+    /// A varying sum as a constant times a node. A constant that is 0 at present stays in the node. A pot can follow it, and
+    /// the settings of an exponential cannot, because they contain its reciprocal.
+    pub(super) fn nonzero_term(&mut self, sum: &Sum) -> Term {
+        let term = self.factored(sum);
+        if self.constants.value(&term.coefficient) != 0.0 {
+            return term;
+        }
+        Term { coefficient: Fraction::whole(1), node: self.node_of(sum) }
     }
 
     /// The absolute value of a varying sum. The size of a constant factor is taken out.

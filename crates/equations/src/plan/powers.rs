@@ -119,7 +119,7 @@ impl Builder<'_> {
     fn general_power(&mut self, base: &Sum, exponent: &Fraction) -> Sum {
         let argument = self.factored(base);
         let logarithm = self.add(Operation::Function { kind: FunctionKind::Ln, argument });
-        let argument = Term { coefficient: exponent.clone(), node: logarithm };
+        let argument = self.nonzero_term(&Sum::term(exponent, logarithm));
         let power = Operation::Function { kind: FunctionKind::Exp, argument };
         Sum::node(self.add_as(power, |builder, _| builder.power_notation(base, exponent)))
     }

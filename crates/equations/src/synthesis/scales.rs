@@ -148,7 +148,11 @@ fn choose(input: &Input<'_>, peaks: &[f64], kept: &[Option<Chosen>]) -> Scales {
     let mut reasons: Vec<Option<ScaleReason>> = first.iter().map(reason).collect();
     let mut chosen: Vec<Option<f64>> = first.iter().map(|chosen| Some((*chosen)?.per_volt)).collect();
     fill_unknown(input, &mut chosen);
-    let mut per_volt: Vec<f64> = chosen.into_iter().map(|scale| scale.unwrap_or(f64::NAN)).collect();
+    let filled = |(id, scale): (NodeId, Option<f64>)| match (first[id.0 as usize], scale) {
+        (None, Some(estimate)) => choice.within(id, estimate),
+        (_, scale) => scale.unwrap_or(f64::NAN),
+    };
+    let mut per_volt: Vec<f64> = input.plan.ids().zip(chosen).map(filled).collect();
     for _ in 0..PASSES {
         per_volt = table(input, &per_volt).values();
         for id in input.plan.ids().filter(|id| kept[id.0 as usize].is_none()) {
