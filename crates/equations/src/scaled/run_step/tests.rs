@@ -53,7 +53,7 @@ fn a_short_step_and_a_tolerance_stay() {
 #[test]
 fn a_step_that_is_too_long_after_all_changes_is_named() {
     let equation = "x'' = -100 x - x'";
-    let patch = scaled(equation, r#"{"for": 10, "step": 0.001}"#).patch;
+    let patch = scaled(equation, r#"{"for": 10, "step": 0.001, "every": 0.1}"#).patch;
     let stated = problem(equation, r#"{"for": 10, "step": 0.5}"#);
     let shortened = |step: f64| {
         let mut run = RunStep { shorter: Some(step), changes: MAX_CHANGES, is_still_too_long: false };
