@@ -153,6 +153,16 @@ fn the_sign_of_a_limiter_at_0_is_0() {
 }
 
 #[test]
+fn the_far_end_of_a_long_rod_is_0_in_a_short_run() {
+    let mut problem = rod(400);
+    problem.patch.run.duration.as_mut().unwrap().value = 20.0;
+    let scaled = scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let far = scaled.quantities.iter().find(|quantity| quantity.name == "T400").unwrap();
+    assert!(far.per_volt > 1e-70 && far.peak < 1e-9, "{far:?}");
+    assert!(scaled.peaks.iter().all(|peak| peak.volts <= 95.0));
+}
+
+#[test]
 fn the_patch_is_the_same_in_every_run() {
     let path = problem_file("slideway");
     assert_eq!(scaled(&path).patch.text(), scaled(&path).patch.text());
