@@ -54,7 +54,8 @@ pub use notation::{
     equation_latex, equation_text, latex, text,
 };
 pub use scaled::{
-    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledDrive, ScaledProblem, ScaledQuantity,
+    scale_problem,
 };
 pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
 pub use static_check::{
