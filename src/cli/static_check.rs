@@ -18,8 +18,8 @@ use patchcord::ir::Program;
 #[derive(Args)]
 pub(super) struct TestArguments {
     /// Static check: compare every output and derivative with the equations at a test value, such as x=0.5,
-    /// "x'=3 mm/s" or A1=20, at random values (random), or at the initial condition (initial). May be given several
-    /// times
+    /// "x'=3 mm/s" or A1=20, at random values (random), or at the initial condition (initial). A number without a unit
+    /// is in the unit of the signal, and in volts for an element. May be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = test_argument)]
     test: Vec<TestArgument>,
     /// Seed of the random test values (default: 1)
