@@ -58,6 +58,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "plan",
             "synthesis",
             "scaled",
+            "rescale",
         ],
     ),
     ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),

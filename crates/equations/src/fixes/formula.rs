@@ -8,7 +8,7 @@ const DIGITS: usize = 12;
 
 /// A value of the document as a product: a number, or a formula split into its factors.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Product {
+pub(crate) struct Product {
     /// Whether the product has a minus sign.
     is_negative: bool,
     factors: Vec<Factor>,
@@ -52,7 +52,7 @@ impl Content {
 
 impl Product {
     /// The product that a value of the document is. `None` if it is neither a number nor a formula.
-    pub(super) fn new(value: &Value) -> Option<Self> {
+    pub(crate) fn new(value: &Value) -> Option<Self> {
         let mut product = Product { is_negative: false, factors: Vec::new(), is_number: value.is_number() };
         if let Some(number) = value.as_f64() {
             product.is_negative = number < 0.0;
@@ -106,7 +106,7 @@ impl Product {
     }
 
     /// The value for the document: a number, or the text of the formula.
-    pub(super) fn value(&self) -> Value {
+    pub(crate) fn value(&self) -> Value {
         if let ([Factor { content: Content::Number(number, _), divides: false }], true) =
             (self.factors.as_slice(), self.is_number)
         {
@@ -135,7 +135,7 @@ impl Product {
 
     /// The product times a positive number. A number of the formula changes if there is one: first a divisor, because
     /// `k / 100` times 10 is `k / 10`.
-    pub(super) fn times(&self, factor: f64) -> Self {
+    pub(crate) fn times(&self, factor: f64) -> Self {
         let mut product = self.clone();
         let numbers = product.factors.iter().enumerate().rev();
         let number = |(index, own): (usize, &Factor)| match &own.content {
@@ -157,7 +157,7 @@ impl Product {
     }
 
     /// The product times or over a name. A factor of the same name on the other side of the fraction is removed.
-    pub(super) fn times_name(&self, name: &str, divides: bool) -> Self {
+    pub(crate) fn times_name(&self, name: &str, divides: bool) -> Self {
         let mut product = self.clone();
         let opposite = product.factors.iter().position(|factor| {
             factor.divides != divides && matches!(&factor.content, Content::Name(text, _) if text == name)

@@ -24,13 +24,19 @@ pub(super) fn measured_peaks(patch: &Patch, outputs: &[&str]) -> Result<Vec<f64>
     let settings = RunSettings::of(&circuit).map_err(ScaleError::Settings)?;
     let settings = settings.with_signals(outputs.iter().copied());
     let trace = run(&program, &settings).map_err(|stopped| ScaleError::Run(Box::new(stopped)))?;
+    Ok(output_peaks(patch, &trace, outputs))
+}
+
+/// The largest magnitude of each of these outputs in a record of a run of the patch, in volts, as by [`measured_peaks`].
+/// The record has a track for each output.
+pub(crate) fn output_peaks(patch: &Patch, trace: &Trace, outputs: &[&str]) -> Vec<f64> {
     // The demand of an open amplifier is its amplification times the sum of its inputs: far more than the voltage that it
     // would have without its limit.
     let is_open = |name: &str| {
         let element = patch.elements.get(name);
         element.is_some_and(|element| element.kind.output == OutputStage::OpenAmplifier)
     };
-    Ok(outputs.iter().map(|name| peak(&trace, name, is_open(name))).collect())
+    outputs.iter().map(|name| peak(trace, name, is_open(name))).collect()
 }
 
 /// The largest magnitude of an output in volts, or its demand if it overloads and is no open amplifier.

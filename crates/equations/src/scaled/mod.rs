@@ -22,6 +22,7 @@ pub use crate::synthesis::ScaleOptions;
 use crate::synthesis::{GainStep, choose_scales, improved_scales, synthesise};
 pub use error::ScaleError;
 use measured::measured_peaks;
+pub(crate) use measured::output_peaks;
 pub use narrowing::NarrowedRange;
 use narrowing::with_narrowed_ranges;
 use table::Tables;

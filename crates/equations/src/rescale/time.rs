@@ -1,0 +1,93 @@
+//! The decision for another time scale: all voltages stay, and what acts on integrators changes.
+
+use super::decision::{Decided, Decision};
+use super::gains::{gains_behind_pots, nearest_gain, pot_gain};
+use super::values::Values;
+use super::wiring::Wiring;
+
+/// Rounding of a setting.
+const ROUNDING: f64 = 1e-11;
+/// The smallest setting of a pot that can be set accurately.
+const LEAST_SETTING: f64 = 0.1;
+/// Decades by which the gains behind a pot with several cords can change, the smallest change first.
+const DECADES: [i32; 7] = [0, 1, -1, 2, -2, 3, -3];
+
+/// The decision with which the machine needs `time` seconds for each of its present seconds.
+///
+/// Pots in front of integrators are turned. A cord without a pot gets another gain if the machine has it, and otherwise a
+/// new pot.
+///
+/// # Errors
+/// The message if a gain would have to be larger than the machine's largest one.
+pub(super) fn time_decision(wiring: &Wiring<'_>, old: &Values<'_>, time: f64) -> Result<Decision, String> {
+    let mut decision = Decision { time, ..Decision::none(wiring) };
+    for pot in (0..wiring.len()).filter(|element| is_before_integrators(wiring, *element)) {
+        turn(wiring, old, pot, &mut decision)?;
+    }
+    for element in (0..wiring.len()).filter(|element| wiring.integrates(*element)) {
+        for cord in (0..wiring.cords[element].len()).filter(|cord| wiring.has_gain(element, *cord)) {
+            let (from, own) = wiring.cords[element][cord];
+            if wiring.is_ground(from) || is_before_integrators(wiring, from) && decision.factors[from] != 1.0
+            {
+                continue;
+            }
+            let wanted = own.gain / time;
+            match nearest_gain(wiring, element, wanted) {
+                Ok(gain) => decision.gains[element][cord] = gain,
+                Err(message) => {
+                    let gains = gains_behind_pots(wiring, element, own.gain);
+                    let gain = gains.into_iter().find(|gain| *gain >= wanted).ok_or(message)?;
+                    decision.gains[element][cord] = gain;
+                    decision.added.insert((element, cord), wanted / gain);
+                }
+            }
+        }
+    }
+    Ok(decision)
+}
+
+/// Whether an element is a pot without a signal that drives integrators only.
+fn is_before_integrators(wiring: &Wiring<'_>, element: usize) -> bool {
+    let readers = &wiring.readers[element];
+    let is_gain =
+        |(reader, cord): &(usize, usize)| wiring.integrates(*reader) && wiring.has_gain(*reader, *cord);
+    wiring.is_pot(element)
+        && !wiring.has_signal[element]
+        && !readers.is_empty()
+        && readers.iter().all(is_gain)
+}
+
+/// Turns a pot that drives integrators only, and changes the gains behind it if the pot would be above 1 or below 0.1.
+/// If the gains behind several cords cannot change together, the pot stays.
+///
+/// # Errors
+/// The message if the largest gain is too small.
+fn turn(wiring: &Wiring<'_>, old: &Values<'_>, pot: usize, decision: &mut Decision) -> Result<(), String> {
+    if let Some((reader, cord)) = wiring.gain_behind(pot) {
+        let decided = Decided { wiring, old, decision };
+        let (gain, factor) = pot_gain(&decided, pot, (reader, cord), 1.0)?;
+        decision.gains[reader][cord] = gain;
+        decision.factors[pot] = factor;
+        return Ok(());
+    }
+    let setting = wiring.formula(pot, "setting").and_then(|formula| old.value(formula, 0)).unwrap_or(0.0);
+    let gains = |decade: i32| {
+        let gains = wiring.readers[pot].iter().map(|(reader, cord)| {
+            let gain = wiring.cords[*reader][*cord].1.gain * 10f64.powi(decade);
+            nearest_gain(wiring, *reader, gain).ok()
+        });
+        gains.collect::<Option<Vec<f64>>>()
+    };
+    let turned = |decade: i32| setting / decision.time / 10f64.powi(decade);
+    let is_valid = |decade: &i32| turned(*decade) <= 1.0 + ROUNDING && gains(*decade).is_some();
+    let is_accurate = |decade: &i32| turned(*decade) >= LEAST_SETTING.min(setting) * (1.0 - ROUNDING);
+    let mut valid = DECADES.into_iter().filter(is_valid);
+    let accurate = DECADES.into_iter().filter(is_valid).find(is_accurate);
+    let Some(decade) = accurate.or_else(|| valid.next()) else { return Ok(()) };
+    let chosen = gains(decade).unwrap_or_default();
+    decision.factors[pot] = 1.0 / decision.time / 10f64.powi(decade);
+    for ((reader, cord), gain) in wiring.readers[pot].iter().zip(chosen) {
+        decision.gains[*reader][*cord] = gain;
+    }
+    Ok(())
+}

@@ -1,0 +1,225 @@
+//! Checks that a rescaled patch computes the same as the old one.
+//!
+//! At random voltages of the integrators, every voltage and every derivative must be the old one times its factor. The
+//! runs of both patches are compared too, and the stated equations. A motion that amplifies deviations amplifies the
+//! rounding of the numbers in the document, so only the beginning of such a run agrees.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use patchcord_core::circuit::EvaluationStep;
+use patchcord_core::ir::{Program, ProgramPoint, Register};
+
+use super::decision::Decided;
+use super::measured::Measured;
+use crate::compare::{Agreement, compare_equations};
+use crate::operating_point::Numbers;
+
+/// Number of random states.
+const STATES: usize = 20;
+/// The seed of the random states.
+const SEED: u64 = 54;
+/// The largest voltage of a random state in both patches.
+const VOLTS: f64 = 40.0;
+/// Largest difference of a voltage, as a share of it.
+const TOLERANCE: f64 = 1e-9;
+/// Largest difference of a voltage that is a small difference of large ones, in volts. A derivative may differ by this
+/// times the gains of its integrator.
+const CANCELLED: f64 = 1e-8;
+/// The voltage from which an amplifier in a loop may be at its limit.
+const LIMIT: f64 = 99.9;
+/// The share of the run that must agree even if a motion amplifies deviations.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Compares a rescaled patch with the old one. Returns the problem time up to which their runs agree. `None` if the old
+/// run overloads, so that it cannot be compared.
+///
+/// # Errors
+/// The message that says what differs.
+pub(super) fn verify(old: &Measured, new: &Measured, decided: &Decided<'_>) -> Result<Option<f64>, String> {
+    let names = (0..decided.wiring.len()).map(|element| decided.wiring.name(element).to_owned());
+    let factors = (0..decided.wiring.len()).map(|element| decided.factor(element, 0).unwrap_or(1.0));
+    let factors: HashMap<String, f64> = names.zip(factors).collect();
+    let pair = Pair { old, new, factors: &factors };
+    pair.compare_states()?;
+    pair.compare_equations()?;
+    if old.overloads.is_empty() { pair.compare_runs().map(Some) } else { Ok(None) }
+}
+
+/// Two patches that should compute the same.
+struct Pair<'p> {
+    old: &'p Measured,
+    new: &'p Measured,
+    /// The factor of each output, by its name.
+    factors: &'p HashMap<String, f64>,
+}
+
+impl Pair<'_> {
+    /// The factor of an output. 1 for pots that the old patch does not have.
+    fn factor(&self, name: &str) -> f64 {
+        self.factors.get(name).copied().unwrap_or(1.0)
+    }
+
+    /// Compares all voltages and derivatives at random states.
+    ///
+    /// # Errors
+    /// The message that names an output that differs.
+    fn compare_states(&self) -> Result<(), String> {
+        let mut numbers = Numbers::new(SEED);
+        for _ in 0..STATES {
+            let [old, new] = self.points(&mut numbers);
+            let voltages = |measured: &Measured, point: &ProgramPoint| {
+                measured.program.unlimited_voltages_at(point, &BTreeMap::new())
+            };
+            let (Some(old), Some(new)) = (voltages(self.old, &old), voltages(self.new, &new)) else {
+                continue;
+            };
+            if is_loop_limited(self.old, &old) || is_loop_limited(self.new, &new) {
+                continue;
+            }
+            self.compare_voltages(&old, &new)?;
+            self.compare_rates(&old, &new)?;
+        }
+        Ok(())
+    }
+
+    /// A random point of both patches at the same state of the problem.
+    fn points(&self, numbers: &mut Numbers) -> [ProgramPoint; 2] {
+        let (mut old, mut new) = (self.old.program.initial_point(), self.new.program.initial_point());
+        let end = self.old.trace.time.last().copied().unwrap_or(0.0);
+        old.time = end * numbers.share().abs();
+        new.time = old.time;
+        let positions = state_positions(&self.new.program);
+        for (index, name) in self.old.program.states().into_iter().enumerate() {
+            let factor = self.factor(name);
+            let volts = VOLTS * numbers.share() / factor.max(1.0);
+            old.states[index] = volts;
+            if let Some(position) = positions.get(name) {
+                new.states[*position] = volts * factor;
+            }
+        }
+        let outputs = self.old.program.element_outputs();
+        for (index, delay) in self.old.program.delays().iter().enumerate() {
+            let factor = self.factor(&outputs[delay.element].name);
+            let volts = VOLTS * numbers.share() / factor.max(1.0);
+            old.delayed[index] = volts;
+            new.delayed[index] = volts * factor;
+        }
+        [old, new]
+    }
+
+    /// Compares the voltages of all outputs.
+    ///
+    /// # Errors
+    /// The message that names an output that differs.
+    fn compare_voltages(&self, old: &[f64], new: &[f64]) -> Result<(), String> {
+        let registers = registers(&self.new.program);
+        for output in self.old.program.element_outputs() {
+            let Some(register) = registers.get(output.name.as_str()) else { continue };
+            let factor = self.factor(&output.name);
+            let (wanted, found) = (factor * old[output.register.index()], new[register.index()]);
+            if is_different(wanted, found, CANCELLED * factor.max(1.0)) {
+                return Err(format!("{} is {found} V in place of {wanted} V", output.name));
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares the derivatives of all states, in volts per problem second.
+    ///
+    /// # Errors
+    /// The message that names an output whose derivative differs.
+    fn compare_rates(&self, old: &[f64], new: &[f64]) -> Result<(), String> {
+        let positions = state_positions(&self.new.program);
+        let laws = self.old.program.state_laws();
+        for (law, name) in laws.iter().zip(self.old.program.states()) {
+            let Some(position) = positions.get(name) else { continue };
+            let other = &self.new.program.state_laws()[*position];
+            let factor = self.factor(name);
+            let (wanted, found) = (factor * old[law.demand.index()], new[other.demand.index()]);
+            let gains = self.old.circuit.cords(law.element).into_iter().map(|(_, cord)| cord.gain);
+            let rate = gains.sum::<f64>().max(1.0) * self.old.program.time_scale();
+            if is_different(wanted, found, CANCELLED * factor.max(1.0) * rate) {
+                return Err(format!("the derivative of {name} is {found} V/s in place of {wanted} V/s"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares how the stated equations agree with the wiring.
+    ///
+    /// # Errors
+    /// The message with an equation that the old wiring solves and the new one does not.
+    fn compare_equations(&self) -> Result<(), String> {
+        let compared = |measured: &Measured| compare_equations(&measured.circuit, &measured.program);
+        let rank = |agreement: &Agreement| match agreement {
+            Agreement::Different { .. } => 0,
+            Agreement::SolvedAt(_) => 1,
+            _ => 2,
+        };
+        for (old, new) in compared(self.old).iter().zip(&compared(self.new)) {
+            if rank(&new.agreement) < rank(&old.agreement) {
+                let text = self.old.circuit.equations()[old.index].value.text();
+                return Err(format!("its wiring does not solve {text}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares the records of both runs. Returns the time up to which they agree.
+    ///
+    /// # Errors
+    /// The message that names an output, if less than a tenth of the run agrees.
+    fn compare_runs(&self) -> Result<f64, String> {
+        let (old, new) = (&self.old.trace, &self.new.trace);
+        let count = old.len().min(new.len());
+        let tolerance = self.old.circuit.run_plan().tolerance.as_ref().map_or(0.0, |placed| placed.value);
+        let mut agreeing = count;
+        let mut cause = "";
+        for track in &old.tracks {
+            let Some(other) = new.track(&track.name) else { continue };
+            let factor = self.factor(&track.name);
+            let peak = track.volts.iter().fold(0.0, |peak: f64, volts| peak.max(volts.abs()));
+            // The errors of steps that adapt are within the tolerance of the run, in units of 100 V.
+            let permitted = TOLERANCE * peak.max(TOLERANCE) + 100.0 * tolerance * factor.recip().max(1.0);
+            let differs =
+                |sample: usize| (other.volts[sample] / factor - track.volts[sample]).abs() > permitted;
+            // A jump can be just before a sample in one run and just after it in the other.
+            let first =
+                (0..agreeing).find(|sample| differs(*sample) && (sample + 1 >= count || differs(sample + 1)));
+            if let Some(first) = first {
+                (agreeing, cause) = (first, track.name.as_str());
+            }
+        }
+        let time = |sample: usize| old.time.get(sample).copied().unwrap_or(0.0);
+        if (agreeing as f64) < LEAST_SHARE * count as f64 {
+            return Err(format!("{cause} differs from t = {} s on", time(agreeing)));
+        }
+        Ok(time(agreeing.saturating_sub(1)))
+    }
+}
+
+/// Whether two voltages differ by more than rounding.
+fn is_different(wanted: f64, found: f64, cancelled: f64) -> bool {
+    let permitted = TOLERANCE * wanted.abs().max(found.abs()) + cancelled;
+    // A voltage that is not a number in both patches does not count.
+    (wanted - found).abs() > permitted || wanted.is_nan() != found.is_nan()
+}
+
+/// Whether an amplifier in a loop without an integrator is near its limit. The loop then has another solution.
+fn is_loop_limited(measured: &Measured, voltages: &[f64]) -> bool {
+    let outputs = measured.program.element_outputs();
+    let loops =
+        measured.circuit.evaluation_order().iter().filter(|step| matches!(step, EvaluationStep::Loop { .. }));
+    let members: BTreeSet<usize> = loops.flat_map(EvaluationStep::members).copied().collect();
+    members.iter().any(|member| voltages[outputs[*member].register.index()].abs() >= LIMIT)
+}
+
+/// The index of each state by its name.
+fn state_positions(program: &Program) -> HashMap<&str, usize> {
+    program.states().into_iter().enumerate().map(|(index, name)| (name, index)).collect()
+}
+
+/// The register of each output by its name.
+fn registers(program: &Program) -> HashMap<&str, Register> {
+    program.element_outputs().iter().map(|output| (output.name.as_str(), output.register)).collect()
+}
