@@ -99,16 +99,18 @@ impl<'e> Model<'e> {
     pub(super) fn direct_cords(&self) -> Vec<(usize, usize)> {
         let wiring = self.evidence.wiring;
         let cords_of = |element: usize| (0..wiring.cords[element].len()).map(move |cord| (element, cord));
-        let cords = (0..wiring.len()).flat_map(cords_of);
         let is_direct = |(element, cord): &(usize, usize)| {
             let (from, _) = wiring.cords[*element][*cord];
-            let is_free = self.approach.frees_gains && wiring.gains(*element).is_empty();
             wiring.has_gain(*element, *cord)
                 && !wiring.is_ground(from)
                 && wiring.gain_behind(from) != Some((*element, *cord))
-                && !is_free
         };
-        cords.filter(is_direct).collect()
+        (0..wiring.len()).flat_map(cords_of).filter(is_direct).collect()
+    }
+
+    /// Whether the gains of an element can be any numbers.
+    fn is_free(&self, element: usize) -> bool {
+        self.approach.frees_gains && self.evidence.wiring.gains(element).is_empty()
     }
 
     /// The unknowns with all relations except those of gains.
@@ -189,6 +191,9 @@ impl<'e> Model<'e> {
     /// The element of a cord for which the machine has no gain.
     fn link(&mut self, frozen: &BTreeSet<usize>) -> Result<(), usize> {
         for (element, cord) in self.direct_cords() {
+            if self.is_free(element) {
+                continue;
+            }
             let (from, cord) = self.evidence.wiring.cords[element][cord];
             let ratio = Affine::sum(&[(self.target(element), 1.0), (from, -1.0)]);
             let reduced = self.relations.reduced(&ratio);
