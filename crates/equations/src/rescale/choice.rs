@@ -27,6 +27,8 @@ const MOST_DECADES: f64 = 12.0;
 const MOST_PASSES: usize = 30;
 /// A penalty that is smaller by less than this is equal.
 const ROUNDING: f64 = 1e-9;
+/// Digits of a gain that can be any number.
+const GAIN_DIGITS: usize = 3;
 /// Digits of the value of one volt.
 const DIGITS: usize = 12;
 
@@ -37,46 +39,69 @@ struct Candidate {
     roughness: f64,
 }
 
-/// The chosen factors, and how many outputs then peak from 50 to 95 V.
+/// The chosen factors, and how good they are.
 pub(super) struct Choice {
     pub decision: Decision,
+    /// The number of outputs that peak from 50 to 95 V.
     pub good: usize,
+    /// The number of settings outside their ranges.
+    pub outside: usize,
+}
+
+/// Assignment of the free unknowns, with the penalties for their digits. Other unknowns are 0.
+#[derive(Debug, Clone)]
+struct Assignment {
+    values: Vec<f64>,
+    roughness: Vec<f64>,
 }
 
 /// Chooses the factors of a model.
 ///
+/// If ranges of settings prevent that one unknown changes alone, several must change together. So the peaks alone are
+/// tried first, too.
+///
 /// # Errors
-/// The message if the machine has no gain for a cord.
+/// The message if the machine has no gain for a cord, or if a gain would have many digits.
 pub(super) fn choose(model: &Model<'_>) -> Result<Choice, String> {
     let goals = goals(model);
-    let values = improved(model, &goals);
-    let is_good = |goal: &&Goal| {
-        matches!(goal.limits, Limits::Peak) && goal.penalty(goal.quantity.value(&values)) == 0.0
-    };
-    let good = goals.iter().filter(is_good).count();
-    Ok(Choice { decision: decision(model, &values)?, good })
+    let all: Vec<&Goal> = goals.iter().collect();
+    let peaks: Vec<&Goal> = goals.iter().filter(|goal| matches!(goal.limits, Limits::Peak)).collect();
+    let count = model.unknowns();
+    let start = Assignment { values: vec![0.0; count], roughness: vec![0.0; count] };
+    let from_peaks = improved(model, &all, improved(model, &peaks, start.clone()));
+    let found = [from_peaks, improved(model, &all, start)];
+    let total = |found: &Assignment| penalty(&all, &found.values) + found.roughness.iter().sum::<f64>();
+    let [one, other] = found;
+    let Assignment { values, .. } = if total(&one) <= total(&other) { one } else { other };
+    let is_reached = |goal: &&Goal| goal.penalty(goal.quantity.value(&values)) == 0.0;
+    let is_range = |goal: &&Goal| matches!(goal.limits, Limits::Range(..));
+    let good = peaks.iter().copied().filter(is_reached).count();
+    let outside = goals.iter().filter(is_range).filter(|goal| !is_reached(goal)).count();
+    Ok(Choice { decision: decision(model, &values)?, good, outside })
 }
 
-/// The free unknowns with the smallest penalty that was found. Others are 0.
-fn improved(model: &Model<'_>, goals: &[Goal]) -> Vec<f64> {
-    let count = goals.iter().flat_map(|goal| goal.quantity.terms.keys()).max().map_or(0, |last| last + 1);
-    let mut values = vec![0.0; count.max(model.evidence.wiring.len())];
-    let mut roughness = vec![0.0; values.len()];
+/// The sum of the penalties of goals.
+fn penalty(goals: &[&Goal], values: &[f64]) -> f64 {
+    goals.iter().map(|goal| goal.penalty(goal.quantity.value(values))).sum()
+}
+
+/// The values after each unknown was changed alone as long as that improves them.
+fn improved(model: &Model<'_>, goals: &[&Goal], start: Assignment) -> Assignment {
+    let Assignment { mut values, mut roughness } = start;
     let involved: Vec<Vec<&Goal>> = (0..values.len())
-        .map(|unknown| goals.iter().filter(|goal| goal.quantity.terms.contains_key(&unknown)).collect())
+        .map(|unknown| {
+            goals.iter().copied().filter(|goal| goal.quantity.terms.contains_key(&unknown)).collect()
+        })
         .collect();
     for _ in 0..MOST_PASSES {
         let mut is_changed = false;
         for unknown in (0..values.len()).filter(|unknown| !involved[*unknown].is_empty()) {
             let own = &involved[unknown];
-            let penalty = |values: &[f64]| {
-                own.iter().map(|goal| goal.penalty(goal.quantity.value(values))).sum::<f64>()
-            };
-            let mut least = penalty(&values) + roughness[unknown];
+            let mut least = penalty(own, &values) + roughness[unknown];
             let mut trial = values.clone();
             for candidate in candidates(model, unknown, own, &values) {
                 trial[unknown] = candidate.value;
-                let found = penalty(&trial) + candidate.roughness;
+                let found = penalty(own, &trial) + candidate.roughness;
                 if found < least - ROUNDING {
                     (least, values[unknown], roughness[unknown]) =
                         (found, candidate.value, candidate.roughness);
@@ -88,7 +113,7 @@ fn improved(model: &Model<'_>, goals: &[Goal]) -> Vec<f64> {
             break;
         }
     }
-    values
+    Assignment { values, roughness }
 }
 
 /// The round numbers for an unknown with which at least one output peaks from about 50 to 95 V, and no change.
@@ -150,10 +175,8 @@ fn one_volt(model: &Model<'_>, unknown: usize) -> Option<f64> {
 /// The message if the machine has no gain for a cord.
 fn decision(model: &Model<'_>, values: &[f64]) -> Result<Decision, String> {
     let wiring = model.evidence.wiring;
-    let mut padded = values.to_vec();
-    padded.resize(model.unknowns(), 0.0);
     let factor = |unknown: usize| {
-        let logarithm = model.relations.reduced(&Affine::unknown(unknown)).value(&padded);
+        let logarithm = model.relations.reduced(&Affine::unknown(unknown)).value(values);
         if logarithm == 0.0 { 1.0 } else { 10f64.powf(logarithm) }
     };
     let mut decision = Decision::none(wiring);
@@ -169,7 +192,11 @@ fn decision(model: &Model<'_>, values: &[f64]) -> Result<Decision, String> {
     for (element, cord) in model.direct_cords() {
         let (from, own) = wiring.cords[element][cord];
         let wanted = own.gain * factor(model.target(element)) / decision.factors[from];
-        decision.gains[element][cord] = nearest_gain(wiring, element, wanted)?;
+        let gain = nearest_gain(wiring, element, wanted)?;
+        if model.is_free(element) && gain != own.gain && gain != round_significant(gain, GAIN_DIGITS) {
+            return Err(format!("a gain of {} would have many digits", wiring.name(element)));
+        }
+        decision.gains[element][cord] = gain;
     }
     for pot in 0..wiring.len() {
         if let Some((reader, cord)) = wiring.gain_behind(pot) {

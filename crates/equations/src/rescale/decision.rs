@@ -111,13 +111,7 @@ impl Decided<'_> {
 
     /// The setting of a free pot between two references, whose voltage is multiplied by the factor of its output.
     fn between_references(&self, element: usize, old: f64) -> Option<f64> {
-        let volts = |input: &str| {
-            let cords = self.wiring.cords[element].iter();
-            let mut own =
-                cords.filter(|(_, cord)| self.wiring.kind(element).inputs[cord.input].name == input);
-            own.find_map(|(from, _)| self.wiring.reference(*from))
-        };
-        let (top, end) = (volts("in")?, volts("end")?);
+        let [top, end] = self.wiring.reference_ends(element)?;
         if top == end {
             return Some(old);
         }

@@ -7,7 +7,7 @@ use super::values::POINTS;
 use super::wiring::Wiring;
 
 /// The smallest setting of a pot that can be set accurately.
-const LEAST_SETTING: f64 = 0.1;
+pub(super) const LEAST_SETTING: f64 = 0.1;
 /// Rounding of a product of a setting and a gain.
 const ROUNDING: f64 = 1e-11;
 /// Two gains are equal if they differ by at most this share.

@@ -1,15 +1,15 @@
 //! What factors are good for: peaks from 50 to 95 V, settings within their ranges, pots that can be set accurately.
 
 use patchcord_core::elements::{OutputStage, SettingDefault, SettingQuantity};
+use patchcord_core::machines::REFERENCE;
 use serde_json::Value;
 
+use super::gains::LEAST_SETTING;
 use super::laws::{Size, necessary_input, size};
 use super::model::Model;
 use super::relations::Affine;
 use crate::synthesis::GOOD_VOLTS;
 
-/// The smallest setting of a pot that can be set accurately.
-const LEAST_SETTING: f64 = 0.1;
 /// Rounding of a logarithm of a voltage or a setting.
 const ROUNDING: f64 = 1e-10;
 /// The penalty of a peak below 50 V, and that of each decade below.
@@ -17,7 +17,7 @@ const LOW_PEAK: [f64; 2] = [1.0, 1.0];
 /// The penalty of a peak above 95 V, and that of each decade above.
 const HIGH_PEAK: [f64; 2] = [100.0, 1000.0];
 /// The penalty of a setting outside its range, and that of each decade.
-const OUTSIDE: [f64; 2] = [50.0, 500.0];
+const OUTSIDE: [f64; 2] = [200.0, 2000.0];
 /// The penalty for each decade of a pot below the smallest accurate setting.
 const INACCURATE: f64 = 0.1;
 
@@ -69,6 +69,10 @@ pub(super) fn goals(model: &Model<'_>) -> Vec<Goal> {
         if wiring.is_pot(element) {
             goals.extend(pot_goals(model, element));
         }
+        goals.extend(largest_voltage(model, element).map(|volts| {
+            let quantity = reduced(model, &[(element, 1.0)], volts);
+            Goal { quantity, limits: Limits::Range(f64::NEG_INFINITY, REFERENCE.log10()) }
+        }));
         goals.extend(setting_goals(model, element));
         goals.extend(curve_goals(model, element));
     }
@@ -96,6 +100,15 @@ fn pot_goals(model: &Model<'_>, pot: usize) -> Vec<Goal> {
     let largest = wiring.gains(reader).iter().copied().reduce(f64::max);
     let range = |largest: f64| Limits::Range(f64::NEG_INFINITY, largest.log10());
     largest.map(|largest| Goal { quantity, limits: range(largest) }).into_iter().collect()
+}
+
+/// The largest voltage of a free pot between two references, for any values of the parameters. `None` for other elements,
+/// and if it is 0 V.
+fn largest_voltage(model: &Model<'_>, element: usize) -> Option<f64> {
+    let [top, end] = model.evidence.wiring.reference_ends(element)?;
+    let settings = model.evidence.old.all(model.evidence.wiring.formula(element, "setting")?);
+    let volts = settings.into_iter().flatten().map(|setting| (end + setting * (top - end)).abs());
+    volts.reduce(f64::max).filter(|volts| *volts > 0.0)
 }
 
 /// The goals of settings in volts and of others that change with a factor: they stay within their ranges.
@@ -142,7 +155,8 @@ fn curve_goals(model: &Model<'_>, element: usize) -> Vec<Goal> {
     let ends = [(wiring.source(element, "in"), largest(0)), (Some(element), largest(1))];
     let goal = |(output, largest): (Option<usize>, f64)| {
         let quantity = reduced(model, &[(output?, 1.0)], largest);
-        (largest > 0.0).then_some(Goal { quantity, limits: Limits::Range(f64::NEG_INFINITY, 2.0) })
+        (largest > 0.0)
+            .then_some(Goal { quantity, limits: Limits::Range(f64::NEG_INFINITY, REFERENCE.log10()) })
     };
     ends.into_iter().filter_map(goal).collect()
 }

@@ -1,15 +1,21 @@
 //! A patch with a run of it, and the peaks of its outputs.
 
+use std::collections::BTreeSet;
+
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Report;
 use patchcord_core::elements::Family;
 use patchcord_core::ir::Program;
+use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{RunSettings, run};
 use patchcord_core::trace::Trace;
 
 use super::error::RescaleError;
 use crate::scaled::output_peaks;
+
+/// Rounding of a voltage, as a share.
+const ROUNDING: f64 = 1e-9;
 
 /// A patch with a run of it.
 pub(super) struct Measured {
@@ -19,8 +25,8 @@ pub(super) struct Measured {
     pub trace: Trace,
     /// The peak of each output in volts, by the index of the element. References have 0.
     pub peaks: Vec<f64>,
-    /// The amplifiers that overload.
-    pub overloads: Vec<String>,
+    /// The amplifiers that overload, without those that reach 100 V by rounding.
+    pub overloads: BTreeSet<String>,
 }
 
 impl Measured {
@@ -43,8 +49,9 @@ impl Measured {
         for (index, peak) in indices.iter().zip(output_peaks(circuit.patch(), &trace, &names)) {
             peaks[*index] = peak;
         }
-        let mut overloads: Vec<String> = trace.overloads().map(|overload| overload.element.clone()).collect();
-        overloads.dedup();
+        let is_above = |volts: f64| volts.abs() > REFERENCE * (1.0 + ROUNDING);
+        let overloads = trace.overloads().filter(|overload| overload.peak().is_none_or(is_above));
+        let overloads: BTreeSet<String> = overloads.map(|overload| overload.element.clone()).collect();
         Ok(Measured { circuit, program, trace, peaks, overloads })
     }
 }

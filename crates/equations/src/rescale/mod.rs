@@ -7,7 +7,7 @@
 //! 3. `edits` changes the document: `scales`, settings (`formulas`, with the `values` of all names), `cords`, and the
 //!    gain rule in numbers (`rules`).
 //! 4. `verification` compares the new patch with the old one; see also `exact`. If the old patch overloads, its peaks are
-//!    not known, so all voltages become ten times smaller until a run has no overload.
+//!    not known, so what overloads becomes smaller until a run has no overload.
 //! 5. `report` makes the tables.
 
 mod choice;
@@ -31,6 +31,9 @@ mod values;
 mod verification;
 mod wiring;
 
+use std::cmp::Reverse;
+
+use patchcord_core::circuit::Circuit;
 use patchcord_core::elements::OutputStage;
 use patchcord_core::patch::Patch;
 
@@ -40,7 +43,7 @@ pub use edits::ChangedSetting;
 use edits::{Edited, edited};
 pub use error::RescaleError;
 use measured::Measured;
-use model::{Approach, Evidence, Model};
+use model::{Approach, Evidence, Gains, Model};
 pub use report::{RescaledOutput, RescaledScale};
 use report::{new_peak, output_rows, scale_rows};
 use time::time_decision;
@@ -50,8 +53,8 @@ use wiring::Wiring;
 
 /// Runs of changed patches at most.
 const MAX_RUNS: usize = 16;
-/// The factor by which peaks are taken to be larger behind an overload.
-const BEHIND_OVERLOAD: f64 = 10.0;
+/// The factor by which the peak of an amplifier that overloads is taken to be larger.
+const BEHIND_OVERLOAD: f64 = 2.0;
 /// Two peaks are equal if they differ by at most this share.
 const ROUNDING: f64 = 1e-6;
 
@@ -156,11 +159,8 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
         let message = "there is nothing to scale: all amplifiers have 0 V in the whole run";
         return Err(RescaleError::Impossible(message.to_owned()));
     }
-    let mut peaks = original.peaks.clone();
+    let mut peaks = behind_overloads(&wiring, original, &original.peaks);
     let mut is_exact = original.overloads.is_empty();
-    if !is_exact {
-        peaks.iter_mut().for_each(|peak| *peak *= BEHIND_OVERLOAD);
-    }
     let mut overloads = Vec::new();
     for run in 1..=MAX_RUNS {
         let evidence = Evidence { wiring: &wiring, old: &old, peaks: &peaks };
@@ -179,14 +179,22 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
             }
             (peaks, is_exact) = (found, true);
         } else {
-            overloads.clone_from(&measured.overloads);
+            overloads = measured.overloads.iter().cloned().collect();
             is_exact = false;
-            let larger = |(known, found): (&f64, &f64)| known.max(*found) * BEHIND_OVERLOAD;
-            peaks = peaks.iter().zip(&found).map(larger).collect();
+            let larger: Vec<f64> = peaks.iter().zip(&found).map(|(known, found)| known.max(*found)).collect();
+            peaks = behind_overloads(&wiring, &measured, &larger);
         }
     }
     let message = format!("{} would overload in every scale that is possible", overloads.join(" and "));
     Err(RescaleError::Impossible(message))
+}
+
+/// The peaks, with larger ones for the amplifiers that overload in a run. Without its limit, an integrator would be beyond
+/// it by an unknown voltage.
+fn behind_overloads(wiring: &Wiring<'_>, measured: &Measured, peaks: &[f64]) -> Vec<f64> {
+    let factor =
+        |element| if measured.overloads.contains(wiring.name(element)) { BEHIND_OVERLOAD } else { 1.0 };
+    peaks.iter().enumerate().map(|(element, peak)| peak * factor(element)).collect()
 }
 
 /// Whether an amplifier or a drive is not always 0 V.
@@ -202,21 +210,34 @@ fn has_voltage(wiring: &Wiring<'_>, peaks: &[f64]) -> bool {
 fn best<'e>(evidence: Evidence<'e>) -> Result<(Model<'e>, Decision, Edited), RescaleError> {
     let mut found: Vec<(Model<'e>, Choice)> = Vec::new();
     let mut failure = None;
-    for (frees_gains, adapts) in [(false, true), (false, false), (true, true), (true, false)] {
-        let model = Model::new(evidence, Approach { adapts, frees_gains });
+    let approaches = [Gains::Decades, Gains::Free, Gains::Kept]
+        .into_iter()
+        .flat_map(|gains| [true, false].map(|adapts| Approach { adapts, gains }));
+    for approach in approaches {
+        let model = Model::new(evidence, approach);
         match choose(&model) {
             Ok(choice) => found.push((model, choice)),
-            Err(message) => failure = failure.or(Some(message)),
+            Err(message) => failure = failure.or(Some(RescaleError::Impossible(message))),
         }
     }
-    found.sort_by_key(|(_, choice)| std::cmp::Reverse(choice.good));
+    found.sort_by_key(|(_, choice)| (choice.outside, Reverse(choice.good)));
     for (model, Choice { decision, .. }) in found {
-        match edited(evidence.wiring, evidence.old, &decision) {
+        let edited = edited(evidence.wiring, evidence.old, &decision).map_err(RescaleError::Impossible);
+        match edited.and_then(without_faults) {
             Ok(edited) => return Ok((model, decision, edited)),
-            Err(message) => failure = failure.or(Some(message)),
+            Err(error) => failure = failure.or(Some(error)),
         }
     }
-    Err(RescaleError::Impossible(failure.unwrap_or_else(|| "no scales were found".to_owned())))
+    Err(failure.unwrap_or_else(|| RescaleError::Impossible("no scales were found".to_owned())))
+}
+
+/// A changed patch if it has no faults.
+///
+/// # Errors
+/// If it has.
+fn without_faults(edited: Edited) -> Result<Edited, RescaleError> {
+    Circuit::new(&edited.patch).map_err(RescaleError::Faults)?;
+    Ok(edited)
 }
 
 /// The verified result.

@@ -37,8 +37,19 @@ pub(super) struct Evidence<'e> {
 pub(super) struct Approach {
     /// Whether the settings of diode networks with biases follow their inputs.
     pub adapts: bool,
-    /// Whether gains can be any numbers, if the machine has all gains.
-    pub frees_gains: bool,
+    /// How gains change.
+    pub gains: Gains,
+}
+
+/// How the gains of cords without pots change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Gains {
+    /// They stay.
+    Kept,
+    /// They change by powers of ten, to gains that the machine has.
+    Decades,
+    /// They can be any numbers with few digits, if the machine has all gains.
+    Free,
 }
 
 /// The unknowns of a patch with their relations.
@@ -55,7 +66,8 @@ pub(super) struct Model<'e> {
 impl<'e> Model<'e> {
     /// The model of a patch.
     pub(super) fn new(evidence: Evidence<'e>, approach: Approach) -> Self {
-        let mut frozen = BTreeSet::new();
+        let keeps_gains = approach.gains == Gains::Kept;
+        let mut frozen: BTreeSet<usize> = (0..evidence.wiring.len()).filter(|_| keeps_gains).collect();
         loop {
             let mut model = Model::unlinked(evidence, approach);
             match model.link(&frozen) {
@@ -109,8 +121,8 @@ impl<'e> Model<'e> {
     }
 
     /// Whether the gains of an element can be any numbers.
-    fn is_free(&self, element: usize) -> bool {
-        self.approach.frees_gains && self.evidence.wiring.gains(element).is_empty()
+    pub(super) fn is_free(&self, element: usize) -> bool {
+        self.approach.gains == Gains::Free && self.evidence.wiring.gains(element).is_empty()
     }
 
     /// The unknowns with all relations except those of gains.
@@ -254,6 +266,10 @@ impl<'e> Model<'e> {
         }
         if wiring.is_reference(output) {
             return Some(0.0);
+        }
+        if wiring.has_reference_ends(output) {
+            // Its voltage can be small now, and large for other values of the parameters.
+            return None;
         }
         if wiring.is_pot(output) {
             let setting = self.setting(output).filter(|setting| *setting > 0.0)?;

@@ -100,7 +100,7 @@ pub(super) fn output_rows(
         RescaledOutput {
             output: name.to_owned(),
             before: old.peaks[element],
-            overloaded: old.overloads.iter().any(|overload| overload == name),
+            overloaded: old.overloads.contains(name),
             scale: scale.map(|scale| wiring.circuit.derived(*scale).0.to_owned()),
             factor: decided.factor(element, 0).unwrap_or(1.0),
             after: after[element],

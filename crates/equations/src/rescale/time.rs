@@ -1,14 +1,12 @@
 //! The decision for another time scale: all voltages stay, and what acts on integrators changes.
 
 use super::decision::{Decided, Decision};
-use super::gains::{gains_behind_pots, nearest_gain, pot_gain};
+use super::gains::{LEAST_SETTING, gains_behind_pots, nearest_gain, pot_gain};
 use super::values::Values;
 use super::wiring::Wiring;
 
 /// Rounding of a setting.
 const ROUNDING: f64 = 1e-11;
-/// The smallest setting of a pot that can be set accurately.
-const LEAST_SETTING: f64 = 0.1;
 /// Decades by which the gains behind a pot with several cords can change, the smallest change first.
 const DECADES: [i32; 7] = [0, 1, -1, 2, -2, 3, -3];
 

@@ -19,6 +19,9 @@ const VARIATION: f64 = 0.2;
 /// Two values of a formula are equal if they differ by at most this share. Numbers in changed formulas have 12 digits.
 const ROUNDING: f64 = 1e-10;
 
+/// The share of the largest value by which a value that is a small difference can be wrong.
+const CANCELLED: f64 = 1e-13;
+
 /// The value of a formula at each point. `None` where it has none.
 pub(super) type PointValues = [Option<f64>; POINTS];
 
@@ -75,7 +78,10 @@ impl<'c> Values<'c> {
 
 /// Whether two formulas have the same values. Points at which one has none do not count, except for the present values.
 pub(super) fn agree(one: &PointValues, other: &PointValues) -> bool {
-    let are_equal = |one: f64, other: f64| (one - other).abs() <= ROUNDING * one.abs().max(other.abs());
+    let largest = one.iter().chain(other).flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let are_equal = |one: f64, other: f64| {
+        (one - other).abs() <= ROUNDING * one.abs().max(other.abs()) + CANCELLED * largest
+    };
     let mut pairs = one.iter().zip(other).enumerate();
     pairs.all(|(point, pair)| match pair {
         (Some(one), Some(other)) => are_equal(*one, *other),

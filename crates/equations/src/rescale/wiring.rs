@@ -8,6 +8,9 @@ use patchcord_core::patch::Amount;
 use patchcord_expr::Formula;
 use serde_json::Value;
 
+/// The name of ground. Its 0 V are 0 in every scale.
+const GROUND: &str = "ground";
+
 /// The place of an element in the document. The instances of a macro share it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Place {
@@ -45,7 +48,9 @@ impl<'c> Wiring<'c> {
             }
         }
         let (mut scales, mut has_signal) = (BTreeMap::<usize, Vec<usize>>::new(), vec![false; count]);
-        for signal in &circuit.signals()[..circuit.patch().signals.len()] {
+        let is_ground = |element: usize| circuit.element(element).name == GROUND;
+        let signals = circuit.signals()[..circuit.patch().signals.len()].iter();
+        for signal in signals.filter(|signal| !is_ground(signal.element)) {
             has_signal[signal.element] = true;
             if let Some(scale) = signal.scale {
                 scales.entry(signal.element).or_default().push(scale);
@@ -86,9 +91,9 @@ impl<'c> Wiring<'c> {
         REFERENCES.iter().find(|(name, _)| *name == own).map(|(_, volts)| *volts)
     }
 
-    /// Whether an element is ground, which is 0 V in every scale.
+    /// Whether an element is ground.
     pub(super) fn is_ground(&self, element: usize) -> bool {
-        self.reference(element) == Some(0.0)
+        self.is_reference(element) && self.name(element) == GROUND
     }
 
     /// The outputs that are plugged into an input, without ground.
@@ -134,6 +139,16 @@ impl<'c> Wiring<'c> {
     pub(super) fn has_reference_ends(&self, element: usize) -> bool {
         self.kind(element).name == "free-pot"
             && self.cords[element].iter().all(|(from, _)| self.is_reference(*from))
+    }
+
+    /// The voltages at the top and at the other end of a free pot between two references. `None` for other elements.
+    pub(super) fn reference_ends(&self, element: usize) -> Option<[f64; 2]> {
+        let volts = |input: &str| {
+            let mut cords = self.cords[element].iter();
+            let own = cords.find(|(_, cord)| self.kind(element).inputs[cord.input].name == input);
+            own.and_then(|(from, _)| self.reference(*from))
+        };
+        self.has_reference_ends(element).then(|| Some([volts("in")?, volts("end")?]))?
     }
 
     /// The only cord from a pot, if it leads to a jack with a gain and no signal is read there: the element and the index
