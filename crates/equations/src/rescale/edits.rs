@@ -19,6 +19,7 @@ use super::formulas::{Retuned, Retuning};
 use super::laws::{Size, necessary_input, size};
 use super::rules::{cord_rule, pot_rule};
 use super::scales::new_scales;
+use super::time::is_before_integrators;
 use super::values::{PointValues, Values};
 use super::wiring::Wiring;
 use crate::fixes::Product;
@@ -210,7 +211,7 @@ impl Editing<'_> {
     /// # Errors
     /// The message if it cannot have the value that it needs.
     fn changed_setting(&self, element: usize, setting: &str) -> Result<Option<Change>, String> {
-        let Decided { wiring, decision, .. } = self.decided;
+        let wiring = self.decided.wiring;
         let name = wiring.name(element);
         let wanted: PointValues = std::array::from_fn(|point| self.decided.wanted(element, setting, point));
         let written = wiring.written(element, setting);
@@ -220,7 +221,7 @@ impl Editing<'_> {
             circuit: wiring.circuit,
             new: self.new,
             scale_factors: &self.scale_factors,
-            time: decision.time,
+            time_divides: self.time_divides(element, setting),
             instance: wiring.places[element].as_ref().and_then(|place| place.instance.as_deref()),
         };
         match retuning.retuned(written, &wanted) {
@@ -234,6 +235,21 @@ impl Editing<'_> {
                 text(written)
             )),
         }
+    }
+
+    /// Whether a setting contains the time scale as a divisor or as a factor, if it changes: that of a pot in front of
+    /// integrators, and a time. `None` for others.
+    fn time_divides(&self, element: usize, setting: &str) -> Option<bool> {
+        let Decided { wiring, decision, .. } = self.decided;
+        if decision.time == 1.0 {
+            return None;
+        }
+        if size(wiring.kind(element).name, setting) == Size::Time {
+            return Some(false);
+        }
+        let has_added_pot = wiring.readers[element].iter().any(|cord| decision.added.contains_key(cord));
+        let is_turned = setting == "setting" && is_before_integrators(wiring, element) && !has_added_pot;
+        is_turned.then_some(true)
     }
 
     /// The change of a setting that the document does not give. `None` if its default stays.

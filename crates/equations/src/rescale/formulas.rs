@@ -36,8 +36,9 @@ pub(super) struct Retuning<'r> {
     pub new: &'r Values<'r>,
     /// The value of one volt of each scale before, as a multiple of the new one.
     pub scale_factors: &'r BTreeMap<String, f64>,
-    /// Machine seconds per old machine second.
-    pub time: f64,
+    /// Whether the value contains the time scale as a divisor (true) or as a factor (false), if the time scale changes.
+    /// `None` if it does not depend on it.
+    pub time_divides: Option<bool>,
     /// The instance of the macro that contains the element. `None` outside of macros.
     pub instance: Option<&'r str>,
 }
@@ -45,13 +46,15 @@ pub(super) struct Retuning<'r> {
 impl Retuning<'_> {
     /// Changes a number or formula so that it has the wanted values.
     pub(super) fn retuned(&self, written: &Value, wanted: &PointValues) -> Retuned {
+        if let Some(changed) = self.with_time_scale(written, wanted) {
+            return Retuned::Changed(changed);
+        }
         match self.values(written) {
             Some(now) if agree(&now, wanted) => return Retuned::Same,
             Some(_) => (),
             None => return Retuned::Impossible,
         }
-        let changed = self.with_time_scale(written, wanted);
-        let changed = changed.or_else(|| self.tuned(&Product::new(written)?, wanted));
+        let changed = Product::new(written).and_then(|product| self.tuned(&product, wanted));
         let changed = changed.or_else(|| {
             let restored = restored(written.as_str()?, self.scale_factors);
             self.tuned(&Product::new(&json!(restored))?, wanted)
@@ -84,17 +87,14 @@ impl Retuning<'_> {
     /// A formula with the name of the time scale, if the time scale was 1 and changes. Another factor can only be a power
     /// of ten, for another gain. `None` if there is no such formula.
     fn with_time_scale(&self, written: &Value, wanted: &PointValues) -> Option<Value> {
-        if self.time == 1.0 || self.circuit.time_scale() != 1.0 || !written.is_string() {
+        let divides = self.time_divides?;
+        if self.circuit.time_scale() != 1.0 || !written.is_string() {
             return None;
         }
-        let product = Product::new(written)?;
-        let named = [true, false].into_iter().filter_map(|divides| {
-            let named = product.times_name(TIME_SCALE, divides);
-            let decades = ratio(wanted, &self.values(&named.value())?)?.log10();
-            ((decades - decades.round()).abs() <= ROUNDING).then_some((decades.abs(), named))
-        });
-        let (_, named) = named.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
-        self.tuned(&named, wanted)
+        let named = Product::new(written)?.times_name(TIME_SCALE, divides);
+        let decades = ratio(wanted, &self.values(&named.value())?)?.log10();
+        let is_power = (decades - decades.round()).abs() <= ROUNDING;
+        is_power.then(|| self.tuned(&named, wanted)).flatten()
     }
 }
 

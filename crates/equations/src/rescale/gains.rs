@@ -13,11 +13,11 @@ const ROUNDING: f64 = 1e-11;
 /// Two gains are equal if they differ by at most this share.
 const EQUAL: f64 = 1e-9;
 /// Digits of a gain on a machine with all gains.
-const DIGITS: usize = 12;
+const DIGITS: usize = 15;
 /// Digits of a gain in a message.
 const SHORT: usize = 4;
 /// Decades of the gains behind pots on a machine with all gains.
-const DECADES: std::ops::RangeInclusive<i32> = -3..=6;
+const DECADES: std::ops::RangeInclusive<i32> = 0..=6;
 
 /// The gain that the machine has for an element and that equals a wanted one.
 ///

@@ -84,7 +84,8 @@ fn new_scale(
         false => wanted,
     };
     let factors = BTreeMap::new();
-    let retuning = Retuning { circuit, new: values, scale_factors: &factors, time: 1.0, instance: None };
+    let retuning =
+        Retuning { circuit, new: values, scale_factors: &factors, time_divides: None, instance: None };
     match retuning.retuned(written, &wanted) {
         Retuned::Changed(value) => Some(value),
         Retuned::Same | Retuned::Impossible => None,

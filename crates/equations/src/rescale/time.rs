@@ -45,7 +45,7 @@ pub(super) fn time_decision(wiring: &Wiring<'_>, old: &Values<'_>, time: f64) ->
 }
 
 /// Whether an element is a pot without a signal that drives integrators only.
-fn is_before_integrators(wiring: &Wiring<'_>, element: usize) -> bool {
+pub(super) fn is_before_integrators(wiring: &Wiring<'_>, element: usize) -> bool {
     let readers = &wiring.readers[element];
     let is_gain =
         |(reader, cord): &(usize, usize)| wiring.integrates(*reader) && wiring.has_gain(*reader, *cord);

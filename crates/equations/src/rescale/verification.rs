@@ -29,6 +29,8 @@ const CANCELLED: f64 = 1e-8;
 const LIMIT: f64 = 99.9;
 /// The share of the run that must agree even if a motion amplifies deviations.
 const LEAST_SHARE: f64 = 0.1;
+/// Largest difference of a voltage in this share of the run, as a share of the peak.
+const AMPLIFIED: f64 = 1e-6;
 
 /// Compares a rescaled patch with the old one. Returns the problem time up to which their runs agree. `None` if the old
 /// run overloads, so that it cannot be compared.
@@ -168,33 +170,39 @@ impl Pair<'_> {
     /// Compares the records of both runs. Returns the time up to which they agree.
     ///
     /// # Errors
-    /// The message that names an output, if less than a tenth of the run agrees.
+    /// The message that names an output, if the beginning of the run differs by more than amplified rounding.
     fn compare_runs(&self) -> Result<f64, String> {
-        let (old, new) = (&self.old.trace, &self.new.trace);
-        let count = old.len().min(new.len());
+        let time = &self.old.trace.time;
+        let count = time.len().min(self.new.trace.len());
+        if let Some((sample, output)) = self.first_difference(count, AMPLIFIED)
+            && (sample as f64) < LEAST_SHARE * count as f64
+        {
+            return Err(format!("{output} differs from t = {} s on", time[sample]));
+        }
+        let agreeing = self.first_difference(count, TOLERANCE).map_or(count, |(sample, _)| sample);
+        Ok(agreeing.checked_sub(1).map_or(0.0, |last| time[last]))
+    }
+
+    /// The first of the samples at which an output differs by more than a share of its peak, and the output.
+    fn first_difference(&self, count: usize, share: f64) -> Option<(usize, &str)> {
         let tolerance = self.old.circuit.run_plan().tolerance.as_ref().map_or(0.0, |placed| placed.value);
-        let mut agreeing = count;
-        let mut cause = "";
-        for track in &old.tracks {
-            let Some(other) = new.track(&track.name) else { continue };
+        let mut first = None;
+        let mut end = count;
+        for track in &self.old.trace.tracks {
+            let Some(other) = self.new.trace.track(&track.name) else { continue };
             let factor = self.factor(&track.name);
             let peak = track.volts.iter().fold(0.0, |peak: f64, volts| peak.max(volts.abs()));
             // The errors of steps that adapt are within the tolerance of the run, in units of 100 V.
-            let permitted = TOLERANCE * peak.max(TOLERANCE) + 100.0 * tolerance * factor.recip().max(1.0);
+            let permitted = share * peak.max(CANCELLED) + 100.0 * tolerance * factor.recip().max(1.0);
             let differs =
                 |sample: usize| (other.volts[sample] / factor - track.volts[sample]).abs() > permitted;
             // A jump can be just before a sample in one run and just after it in the other.
-            let first =
-                (0..agreeing).find(|sample| differs(*sample) && (sample + 1 >= count || differs(sample + 1)));
-            if let Some(first) = first {
-                (agreeing, cause) = (first, track.name.as_str());
+            let lasts = |sample: &usize| differs(*sample) && (sample + 1 >= count || differs(sample + 1));
+            if let Some(sample) = (0..end).find(lasts) {
+                (first, end) = (Some((sample, track.name.as_str())), sample);
             }
         }
-        let time = |sample: usize| old.time.get(sample).copied().unwrap_or(0.0);
-        if (agreeing as f64) < LEAST_SHARE * count as f64 {
-            return Err(format!("{cause} differs from t = {} s on", time(agreeing)));
-        }
-        Ok(time(agreeing.saturating_sub(1)))
+        first
     }
 }
 
