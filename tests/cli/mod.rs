@@ -19,6 +19,7 @@ mod pictures;
 mod profile;
 mod readme;
 mod replay;
+mod rescale;
 mod run;
 mod run_errors;
 mod sensitivity;

@@ -12,5 +12,6 @@ mod implicit;
 mod listing;
 mod mistakes;
 mod problem_files;
+mod rescale;
 mod round_trip;
 mod scale;
