@@ -25,8 +25,8 @@ pub(super) fn time_decision(wiring: &Wiring<'_>, old: &Values<'_>, time: f64) ->
     for element in (0..wiring.len()).filter(|element| wiring.integrates(*element)) {
         for cord in (0..wiring.cords[element].len()).filter(|cord| wiring.has_gain(element, *cord)) {
             let (from, own) = wiring.cords[element][cord];
-            if wiring.is_ground(from) || is_before_integrators(wiring, from) && decision.factors[from] != 1.0
-            {
+            let is_turned = is_before_integrators(wiring, from) && decision.factors[from] != 1.0;
+            if wiring.is_ground(from) || is_turned {
                 continue;
             }
             let wanted = own.gain / time;
