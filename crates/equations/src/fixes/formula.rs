@@ -5,6 +5,8 @@ use serde_json::{Value, json};
 
 /// Significant digits of a changed number. Fewer than those of f64, so that 0.1 x 3 is 0.3.
 const DIGITS: usize = 12;
+/// Significant digits of a number that must be precise.
+const PRECISE_DIGITS: usize = 14;
 
 /// A value of the document as a product: a number, or a formula split into its factors.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,10 +38,10 @@ enum Content {
 }
 
 impl Content {
-    /// A number.
-    fn number(value: f64) -> Self {
-        let value = round_significant(value, DIGITS);
-        Content::Number(value, format_significant(value, DIGITS))
+    /// A number with this number of digits.
+    fn number(value: f64, digits: usize) -> Self {
+        let value = round_significant(value, digits);
+        Content::Number(value, format_significant(value, digits))
     }
 
     /// The factor as it is written.
@@ -135,7 +137,17 @@ impl Product {
 
     /// The product times a positive number. A number of the formula changes if there is one: first a divisor, because
     /// `k / 100` times 10 is `k / 10`.
-    pub(crate) fn times(&self, factor: f64) -> Self {
+    pub(super) fn times(&self, factor: f64) -> Self {
+        self.times_rounded(factor, DIGITS)
+    }
+
+    /// The product times a positive number, as by [`Product::times`], with more digits.
+    pub(crate) fn times_precisely(&self, factor: f64) -> Self {
+        self.times_rounded(factor, PRECISE_DIGITS)
+    }
+
+    /// The product times a positive number that is rounded to this number of digits.
+    fn times_rounded(&self, factor: f64, digits: usize) -> Self {
         let mut product = self.clone();
         let numbers = product.factors.iter().enumerate().rev();
         let number = |(index, own): (usize, &Factor)| match &own.content {
@@ -147,10 +159,10 @@ impl Product {
         match divisor.or(numbers.first()).copied() {
             Some((index, value, divides)) => {
                 let changed = if divides { value / factor } else { value * factor };
-                product.factors[index].content = Content::number(changed);
+                product.factors[index].content = Content::number(changed, digits);
             }
-            None if factor < 1.0 => product.push(Content::number(1.0 / factor), true),
-            None => product.push(Content::number(factor), false),
+            None if factor < 1.0 => product.push(Content::number(1.0 / factor, digits), true),
+            None => product.push(Content::number(factor, digits), false),
         }
         product.tidy();
         product
@@ -293,6 +305,9 @@ mod tests {
         }
         assert_eq!(Product::new(&json!(0.3)).unwrap().times(0.1).value(), json!(0.03));
         assert_eq!(Product::new(&json!(-5)).unwrap().times(10.0).value(), json!(-50));
+        let third = Product::new(&json!(10)).unwrap();
+        assert_eq!(third.times(1.0 / 3.0).value(), json!(3.333_333_333_33));
+        assert_eq!(third.times_precisely(1.0 / 3.0).value(), json!(3.333_333_333_333_3));
     }
 
     #[test]

@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-9;
 /// Digits of a gain that can be any number.
 const GAIN_DIGITS: usize = 3;
 /// Digits of the value of one volt.
-const DIGITS: usize = 12;
+const DIGITS: usize = 14;
 
 /// A number that is tried for an unknown: the logarithm of a factor, and the penalty for its digits.
 #[derive(Debug, Clone, Copy)]

@@ -69,6 +69,17 @@ impl Decided<'_> {
         Some((setting / (1.0 - setting), factor(source("in")) / factor(bias)))
     }
 
+    /// The factor of the biases of an adapting diode network, for the network and for a pot behind it. `None` for other
+    /// elements.
+    pub(super) fn bias_factor(&self, element: usize) -> Option<f64> {
+        let is_adapting = |element: &usize| self.decision.adapting.contains(element);
+        let source = |element: usize, input: &str| self.wiring.source(element, input);
+        let network =
+            Some(element).filter(is_adapting).or_else(|| source(element, "in").filter(is_adapting))?;
+        let bias = source(network, "bias_plus").or_else(|| source(network, "bias_minus"))?;
+        Some(self.decision.factors[bias])
+    }
+
     /// The wanted value of a setting at a point. `None` if its formula has no value there.
     pub(super) fn wanted(&self, element: usize, setting: &str, point: usize) -> Option<f64> {
         let kind = self.wiring.kind(element).name;

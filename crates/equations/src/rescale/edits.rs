@@ -25,9 +25,9 @@ use super::wiring::Wiring;
 use crate::fixes::Product;
 
 /// Significant digits of a number in the document.
-const DIGITS: usize = 12;
+const DIGITS: usize = 14;
 /// A factor that differs from 1 by at most this is 1.
-const ROUNDING: f64 = 1e-11;
+const ROUNDING: f64 = 1e-13;
 
 /// A value of the document that the rescaling changed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -224,7 +224,15 @@ impl Editing<'_> {
             time_divides: self.time_divides(element, setting),
             instance: wiring.places[element].as_ref().and_then(|place| place.instance.as_deref()),
         };
-        match retuning.retuned(written, &wanted) {
+        let retuned = match (retuning.retuned(written, &wanted), self.decided.bias_factor(element)) {
+            (Retuned::Impossible, Some(factor)) => {
+                // The breakpoints follow the biases, as if all scales were multiplied by their factor.
+                let scale_factors = self.scale_factors.keys().map(|name| (name.clone(), factor)).collect();
+                Retuning { scale_factors: &scale_factors, ..retuning }.retuned(written, &wanted)
+            }
+            (retuned, _) => retuned,
+        };
+        match retuned {
             Retuned::Same => Ok(None),
             Retuned::Changed(after) => {
                 let rule = pot_rule(&self.decided, element).unwrap_or_default();

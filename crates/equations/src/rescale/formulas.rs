@@ -14,9 +14,11 @@ use super::values::{PointValues, Values, agree, ratio};
 use crate::fixes::Product;
 
 /// A ratio that differs from 1 by at most this is 1.
-const ROUNDING: f64 = 1e-11;
+const ROUNDING: f64 = 1e-13;
+/// A logarithm that differs from a whole number by at most this is whole.
+const WHOLE: f64 = 1e-11;
 /// Significant digits of a factor in a formula.
-const DIGITS: usize = 12;
+const DIGITS: usize = 14;
 
 /// What a number or formula of the document becomes.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +82,7 @@ impl Retuning<'_> {
     fn tuned(&self, product: &Product, wanted: &PointValues) -> Option<Value> {
         let ratio = ratio(wanted, &self.values(&product.value())?)?;
         let is_one = (ratio - 1.0).abs() <= ROUNDING;
-        let changed = if is_one { product.value() } else { product.times(ratio).value() };
+        let changed = if is_one { product.value() } else { product.times_precisely(ratio).value() };
         agree(&self.values(&changed)?, wanted).then_some(changed)
     }
 
@@ -93,7 +95,7 @@ impl Retuning<'_> {
         }
         let named = Product::new(written)?.times_name(TIME_SCALE, divides);
         let decades = ratio(wanted, &self.values(&named.value())?)?.log10();
-        let is_power = (decades - decades.round()).abs() <= ROUNDING;
+        let is_power = (decades - decades.round()).abs() <= WHOLE;
         is_power.then(|| self.tuned(&named, wanted)).flatten()
     }
 }

@@ -13,6 +13,7 @@ use super::laws::ties;
 use super::relations::{Affine, Relations};
 use super::values::Values;
 use super::wiring::Wiring;
+use crate::synthesis::GOOD_VOLTS;
 
 /// The voltage at which the peak of an output is aimed: the middle of 50 and 95 V in the sense of ratios.
 const TARGET_VOLTS: f64 = 69.0;
@@ -212,7 +213,7 @@ impl<'e> Model<'e> {
             let is_frozen = frozen.contains(&element) || frozen.contains(&from);
             let possible = match is_frozen {
                 true => vec![0.0],
-                false => possible_ratios(self.evidence.wiring.gains(element), cord.gain),
+                false => self.possible_ratios(element, from, cord.gain),
             };
             let is_known = reduced.terms.is_empty();
             let wanted = if is_known { reduced.constant } else { self.wanted_ratio(element, from) };
@@ -226,6 +227,35 @@ impl<'e> Model<'e> {
             }
         }
         Ok(())
+    }
+
+    /// The logarithms of the ratios of the possible gains to the gain of a cord. If one of its ends is fixed, only those
+    /// with which the other end does not peak above 95 V, if there are any.
+    fn possible_ratios(&self, element: usize, from: usize, gain: f64) -> Vec<f64> {
+        let gains = self.evidence.wiring.gains(element);
+        let all: Vec<f64> = match gains.is_empty() {
+            true => (-DECADES..=DECADES).map(f64::from).collect(),
+            false => gains.iter().map(|other| (other / gain).log10()).collect(),
+        };
+        let fixed = |unknown: usize| {
+            let reduced = self.relations.reduced(&Affine::unknown(unknown));
+            reduced.terms.is_empty().then_some(reduced.constant)
+        };
+        let is_low = |ratio: &f64| match (fixed(self.target(element)), fixed(from)) {
+            (Some(to), None) => to - ratio <= self.highest(from) + ROUNDING,
+            (None, Some(from)) => from + ratio <= self.highest(element) + ROUNDING,
+            _ => true,
+        };
+        let low: Vec<f64> = all.iter().copied().filter(is_low).collect();
+        if low.is_empty() { all } else { low }
+    }
+
+    /// The logarithm of the factor with which an output peaks at 95 V. Infinite for a pot, and for an output that is 0 V
+    /// in the whole run.
+    fn highest(&self, output: usize) -> f64 {
+        let peak = self.evidence.peaks[output];
+        let is_limited = peak > 0.0 && !self.evidence.wiring.is_pot(output);
+        if is_limited { (GOOD_VOLTS[1] / peak).log10() } else { f64::INFINITY }
     }
 
     /// Freezes the gains of an element, and those of all that are connected by cords without pots to frozen elements.
@@ -300,14 +330,6 @@ fn is_first_pot(wiring: &Wiring<'_>, element: usize) -> bool {
         && !wiring.has_signal[element]
         && !readers.is_empty()
         && readers.iter().all(|(reader, _)| wiring.is_pot(*reader))
-}
-
-/// The logarithms of the ratios of the possible gains to a gain.
-fn possible_ratios(gains: &[f64], gain: f64) -> Vec<f64> {
-    if gains.is_empty() {
-        return (-DECADES..=DECADES).map(f64::from).collect();
-    }
-    gains.iter().map(|other| (other / gain).log10()).collect()
 }
 
 /// The diode networks whose settings can follow their inputs: all their outputs lead to pots in front of gains, their

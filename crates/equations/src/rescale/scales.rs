@@ -11,7 +11,7 @@ use super::values::{PointValues, Values, agree};
 use super::wiring::Wiring;
 
 /// Significant digits of the time scale.
-const DIGITS: usize = 12;
+const DIGITS: usize = 14;
 /// Significant digits of a factor in a message.
 const SHORT: usize = 4;
 

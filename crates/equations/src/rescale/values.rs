@@ -16,8 +16,8 @@ pub(super) const POINTS: usize = 7;
 const SEED: u64 = 8;
 /// The share by which a parameter without a range varies.
 const VARIATION: f64 = 0.2;
-/// Two values of a formula are equal if they differ by at most this share. Numbers in changed formulas have 12 digits.
-const ROUNDING: f64 = 1e-10;
+/// Two values of a formula are equal if they differ by at most this share. Numbers in changed formulas have 14 digits.
+const ROUNDING: f64 = 1e-12;
 
 /// The share of the largest value by which a value that is a small difference can be wrong.
 const CANCELLED: f64 = 1e-13;
