@@ -42,17 +42,18 @@ pub(super) fn changed_jacks(
             other => *other = json!([source]),
         }
     }
-    // A jack that had a name without a list keeps this form.
-    let written = wiring.written(element, "in");
+    simplify(&mut jacks, wiring.written(element, "in"));
+    Ok(Some(Value::Object(jacks)))
+}
+
+/// A jack that had a name without a list keeps this form, if it has one cord.
+fn simplify(jacks: &mut Map<String, Value>, written: Option<&Value>) {
     let was_single = |jack: &String| written.and_then(|jacks| jacks.get(jack)).is_some_and(Value::is_string);
-    for (jack, list) in &mut jacks {
-        if was_single(jack)
-            && let Some([only]) = list.as_array().map(Vec::as_slice)
-        {
+    for (_, list) in jacks.iter_mut().filter(|(jack, _)| was_single(jack)) {
+        if let Some([only]) = list.as_array().map(Vec::as_slice) {
             *list = only.clone();
         }
     }
-    Ok(Some(Value::Object(jacks)))
 }
 
 /// The name of the jack of an input with a gain.
