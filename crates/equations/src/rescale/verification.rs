@@ -231,3 +231,52 @@ fn state_positions(program: &Program) -> HashMap<&str, usize> {
 fn registers(program: &Program) -> HashMap<&str, Register> {
     program.element_outputs().iter().map(|output| (output.name.as_str(), output.register)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use patchcord_core::patch::Patch;
+
+    use super::super::decision::Decision;
+    use super::super::error::RescaleError;
+    use super::super::values::Values;
+    use super::super::wiring::Wiring;
+    use super::*;
+
+    /// A decay with this setting of its pot, this initial voltage and this value of one volt.
+    fn decay(setting: f64, initial: f64, per_volt: f64) -> Measured {
+        let text = format!(
+            r#"{{"patchcord": 1, "scales": {{"length": {{"per_volt": {per_volt}, "unit": "mm"}}}},
+            "elements": {{"P1": {{"kind": "pot", "in": "A1", "setting": {setting}}},
+                "A1": {{"kind": "integrator", "in": {{"x1": ["P1"]}}, "initial": {initial}}}}},
+            "signals": {{"x": {{"at": "A1", "scale": "length"}}}},
+            "equations": ["x' = -0.5 x"], "run": {{"for": 2, "step": 0.01}}}}"#
+        );
+        let patch = Patch::parse("decay.json", &text).unwrap_or_else(|report| panic!("{report}"));
+        Measured::new(&patch, RescaleError::Patch).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Compares two patches, in the second of which all voltages should be `factor` times as large.
+    fn compared(old: &Measured, new: &Measured, factor: f64) -> Result<Option<f64>, String> {
+        let (wiring, values) = (Wiring::new(&old.circuit), Values::of(&old.circuit));
+        let mut decision = Decision::none(&wiring);
+        for element in (0..wiring.len()).filter(|element| !wiring.is_reference(*element)) {
+            decision.factors[element] = factor;
+        }
+        verify(old, new, &Decided { wiring: &wiring, old: &values, decision: &decision })
+    }
+
+    #[test]
+    fn equal_patches_agree_in_the_whole_run() {
+        assert_eq!(compared(&decay(0.5, 20.0, 1.0), &decay(0.5, 80.0, 0.25), 4.0), Ok(Some(2.0)));
+    }
+
+    #[test]
+    fn a_patch_with_another_motion_is_rejected() {
+        let old = decay(0.5, 20.0, 1.0);
+        let message = compared(&old, &decay(0.4, 20.0, 1.0), 1.0).unwrap_err();
+        assert!(message.starts_with("P1 is "), "{message}");
+        // The motion is right, but the initial value is that of another scale.
+        let message = compared(&old, &decay(0.5, 20.0, 0.25), 4.0).unwrap_err();
+        assert!(message.ends_with(" differs from t = 0 s on"), "{message}");
+    }
+}
