@@ -25,8 +25,8 @@ pub(super) fn time_decision(wiring: &Wiring<'_>, old: &Values<'_>, time: f64) ->
     for element in (0..wiring.len()).filter(|element| wiring.integrates(*element)) {
         for cord in (0..wiring.cords[element].len()).filter(|cord| wiring.has_gain(element, *cord)) {
             let (from, own) = wiring.cords[element][cord];
-            let is_turned = is_before_integrators(wiring, from) && decision.factors[from] != 1.0;
-            if wiring.is_ground(from) || is_turned {
+            // The pot in front of this cord is turned.
+            if wiring.is_ground(from) || decision.factors[from] != 1.0 {
                 continue;
             }
             let wanted = own.gain / time;
@@ -44,15 +44,43 @@ pub(super) fn time_decision(wiring: &Wiring<'_>, old: &Values<'_>, time: f64) ->
     Ok(decision)
 }
 
-/// Whether an element is a pot without a signal that drives integrators only.
+/// The part of a circuit behind an output in which all voltages are rates.
+#[derive(Default)]
+struct Rates {
+    /// The cords with gains into integrators: the element and the index of the cord.
+    cords: Vec<(usize, usize)>,
+    /// The inverters in front of them.
+    inverters: Vec<usize>,
+}
+
+/// What an output leads to, if it drives integrators only, directly or through inverters. `None` otherwise, and if a
+/// signal is read there.
+fn rates(wiring: &Wiring<'_>, output: usize) -> Option<Rates> {
+    let mut found = Rates::default();
+    let mut open = vec![output];
+    while let Some(element) = open.pop() {
+        if wiring.has_signal[element] || wiring.readers[element].is_empty() {
+            return None;
+        }
+        for (reader, cord) in &wiring.readers[element] {
+            let is_new_inverter =
+                wiring.kind(*reader).name == "inverter" && !found.inverters.contains(reader);
+            if wiring.integrates(*reader) && wiring.has_gain(*reader, *cord) {
+                found.cords.push((*reader, *cord));
+            } else if is_new_inverter {
+                found.inverters.push(*reader);
+                open.push(*reader);
+            } else {
+                return None;
+            }
+        }
+    }
+    Some(found)
+}
+
+/// Whether an element is a pot that drives integrators only, directly or through inverters, and no signal is read there.
 pub(super) fn is_before_integrators(wiring: &Wiring<'_>, element: usize) -> bool {
-    let readers = &wiring.readers[element];
-    let is_gain =
-        |(reader, cord): &(usize, usize)| wiring.integrates(*reader) && wiring.has_gain(*reader, *cord);
-    wiring.is_pot(element)
-        && !wiring.has_signal[element]
-        && !readers.is_empty()
-        && readers.iter().all(is_gain)
+    wiring.is_pot(element) && rates(wiring, element).is_some()
 }
 
 /// Turns a pot that drives integrators only, and changes the gains behind it if the pot would be above 1 or below 0.1.
@@ -68,9 +96,10 @@ fn turn(wiring: &Wiring<'_>, old: &Values<'_>, pot: usize, decision: &mut Decisi
         decision.factors[pot] = factor;
         return Ok(());
     }
+    let Some(rates) = rates(wiring, pot) else { return Ok(()) };
     let setting = wiring.formula(pot, "setting").and_then(|formula| old.value(formula, 0)).unwrap_or(0.0);
     let gains = |decade: i32| {
-        let gains = wiring.readers[pot].iter().map(|(reader, cord)| {
+        let gains = rates.cords.iter().map(|(reader, cord)| {
             let gain = wiring.cords[*reader][*cord].1.gain * 10f64.powi(decade);
             nearest_gain(wiring, *reader, gain).ok()
         });
@@ -83,8 +112,11 @@ fn turn(wiring: &Wiring<'_>, old: &Values<'_>, pot: usize, decision: &mut Decisi
     let accurate = DECADES.into_iter().filter(is_valid).find(is_accurate);
     let Some(decade) = accurate.or_else(|| valid.next()) else { return Ok(()) };
     let chosen = gains(decade).unwrap_or_default();
-    decision.factors[pot] = 1.0 / decision.time / 10f64.powi(decade);
-    for ((reader, cord), gain) in wiring.readers[pot].iter().zip(chosen) {
+    let factor = 1.0 / decision.time / 10f64.powi(decade);
+    for element in rates.inverters.iter().chain([&pot]) {
+        decision.factors[*element] = factor;
+    }
+    for ((reader, cord), gain) in rates.cords.iter().zip(chosen) {
         decision.gains[*reader][*cord] = gain;
     }
     Ok(())
