@@ -252,12 +252,12 @@ fn another_time_scale_keeps_all_voltages_and_scales() {
         };
         let names: Vec<String> = names.into_iter().filter(stays).collect();
         let [before, after] = [&patch, &rescaled.patch].map(|patch| trace(patch, &names));
-        let until = rescaled.agrees_until.unwrap();
+        let agrees = rescaled.agrees_until.unwrap();
         let end = before.time.last().copied().unwrap();
-        assert!(
-            until >= end || (*file == "lessons/lorenz" && until > 0.3 * end),
-            "{label}: {until} s of {end} s"
-        );
+        // Only the motion of Lorenz amplifies the rounding of numbers. It does so for products earlier than for signals.
+        let is_lorenz = *file == "lessons/lorenz";
+        assert!(agrees >= end || (is_lorenz && agrees > 0.3 * end), "{label}: {agrees} s of {end} s");
+        let until = if is_lorenz { 0.8 * agrees } else { agrees };
         for name in &names {
             let [one, other] = [&before, &after].map(|trace| &trace.track(name).unwrap().volts);
             let peak = one.iter().fold(0.0, |peak: f64, volts| peak.max(volts.abs()));

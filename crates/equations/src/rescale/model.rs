@@ -9,6 +9,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Phase;
 use patchcord_core::elements::OutputStage;
 
+use super::gains::LEAST_SETTING;
 use super::laws::ties;
 use super::relations::{Affine, Relations};
 use super::values::Values;
@@ -304,7 +305,10 @@ impl<'e> Model<'e> {
         if wiring.is_pot(output) {
             let setting = self.setting(output).filter(|setting| *setting > 0.0)?;
             let from = wiring.source(output, "in").filter(|from| !wiring.is_pot(*from))?;
-            return Some(self.aim(from)? + (TARGET_SETTING / setting).log10());
+            // An accurate setting can stay.
+            let is_accurate = (LEAST_SETTING..=1.0).contains(&setting);
+            let change = if is_accurate { 0.0 } else { (TARGET_SETTING / setting).log10() };
+            return Some(self.aim(from)? + change);
         }
         let peak = self.evidence.peaks[output];
         (peak > 0.0).then(|| (TARGET_VOLTS / peak).log10())
