@@ -4,7 +4,7 @@
 //! Without `--out` nothing is written, so that a student can compare scales before there is a patch.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -13,10 +13,11 @@ use super::failure::{Failure, eprint_report};
 use super::files::{path_text, path_texts, quoted};
 use super::numbers::positive_in;
 use super::outputs::Outputs;
+use super::rescale::{Request, is_patch, rescale};
 use super::standard_streams::check_input;
 use super::table::Table;
 use super::{print, print_json};
-use patchcord::document::{DiagnosticDocument, DocumentError, escape_controls, plural, unit_suffix};
+use patchcord::document::{DiagnosticDocument, escape_controls, plural, read_text, unit_suffix};
 use patchcord::equations::{
     NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledDrive, ScaledProblem, ScaledQuantity,
     scale_problem,
@@ -27,7 +28,8 @@ use patchcord::patch::Problem;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Problem file (JSON) with parameters, quantities and equations; docs/problem-format.md describes it
+    /// Problem file (JSON) with parameters, quantities and equations; docs/problem-format.md describes it. Or a patch,
+    /// which is rescaled until its outputs peak between 50 and 95 V, with the same names
     problem: PathBuf,
     /// Write the patch to this file
     #[arg(long, value_name = "PATCH.json")]
@@ -35,8 +37,9 @@ pub(super) struct Arguments {
     /// Make the patch for this machine, with its gains, such as solartron-1451; `patchcord machines` lists them
     #[arg(long, value_name = "NAME", value_parser = machine)]
     machine: Option<&'static MachineModel>,
-    /// Machine seconds per problem second (default: 1 if all gains are then usable, otherwise a round number
-    /// with which the fastest oscillation has about 1 Hz)
+    /// Machine seconds per problem second (default: 1 if all gains are then usable, otherwise a round number with which
+    /// the fastest oscillation has about 1 Hz). For a patch: new machine seconds per present one; only the time scale
+    /// then changes
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = positive_in("1"))]
     time: Option<f64>,
     /// Represent each stated maximum by 100 V, also if its peak is below 50 V
@@ -61,7 +64,13 @@ fn machine(name: &str) -> Result<&'static MachineModel, String> {
 /// The scales are chosen before anything is written, so a problem without a circuit leaves no file.
 pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
     check_input(&arguments.problem)?;
-    let problem = Problem::read(&arguments.problem).map_err(unreadable)?;
+    let text = read_text(&arguments.problem)?;
+    if is_patch(&text) {
+        return rescale(&arguments.rescaling(&text, &arguments.refused()));
+    }
+    let folder = arguments.problem.parent().unwrap_or(Path::new(""));
+    let problem = Problem::parse_in(folder, &arguments.problem.display().to_string(), &text)
+        .map_err(Failure::problem)?;
     let outputs = Outputs::default().reading("the problem", [&arguments.problem]);
     outputs.prepare(None, &arguments.out)?;
     let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
@@ -82,6 +91,24 @@ impl Arguments {
     fn options(&self) -> ScaleOptions {
         let machine = self.machine.unwrap_or(ScaleOptions::default().machine);
         ScaleOptions { machine, time_scale: self.time, keeps_maxima: self.keep_maxima }
+    }
+
+    /// The options that a patch does not have.
+    fn refused(&self) -> Vec<&'static str> {
+        let given = [("--machine", self.machine.is_some()), ("--keep-maxima", self.keep_maxima)];
+        given.into_iter().filter(|(_, is_given)| *is_given).map(|(option, _)| option).collect()
+    }
+
+    /// The options for a patch with this text. The gain rule is always printed for a patch.
+    fn rescaling<'a>(&'a self, text: &'a str, refused: &'a [&'a str]) -> Request<'a> {
+        Request {
+            file: &self.problem,
+            text,
+            out: self.out.as_ref(),
+            time: self.time,
+            json: self.json,
+            refused,
+        }
     }
 
     /// The printed result.
@@ -109,14 +136,6 @@ impl Arguments {
             None => "\n--out PATCH.json writes the patch\n".to_owned(),
         };
         text
-    }
-}
-
-/// The failure for a problem that cannot be read.
-fn unreadable(error: DocumentError) -> Failure {
-    match error {
-        DocumentError::Text(report) => Failure::problem(report),
-        other => other.into(),
     }
 }
 

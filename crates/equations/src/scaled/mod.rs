@@ -33,6 +33,7 @@ use attempt::{Basis, Last, last_attempt};
 use built_patch::BuiltPatch;
 pub use error::ScaleError;
 use maxima::checked_maxima;
+pub(crate) use measured::output_peaks;
 pub use narrowing::NarrowedRange;
 use narrowing::with_narrowed_ranges;
 pub use table::{OutputPeak, ScaledDrive, ScaledQuantity};
