@@ -57,7 +57,7 @@ fn the_document_has_the_tables_and_the_patch() {
     let changes = document["changes"].as_array().unwrap();
     let gain = changes.iter().find(|change| change["setting"] == "gain of A1").unwrap();
     assert_eq!((&gain["before"], &gain["after"]), (&value!("x10"), &value!("x1")));
-    assert_eq!(gain["rule"], "gain x pot = 10 / 10 = 1");
+    assert_eq!(gain["rule"], "gain * pot = 10 / 10 = 1");
     assert_eq!(document["files"], value!([]));
 }
 

@@ -14,7 +14,7 @@ pub(super) fn pot_rule(decided: &Decided<'_>, pot: usize) -> Option<String> {
 }
 
 /// The gain rule for a cord with a gain, with the pot in front of it if it has one:
-/// `gain x pot = 4 x 2 / 5 = 1.6`, with the old product, the factor of the output and that of the input. A changed time
+/// `gain * pot = 4 * 2 / 5 = 1.6`, with the old product, the factor of the output and that of the input. A changed time
 /// scale is a further divisor.
 pub(super) fn cord_rule(decided: &Decided<'_>, element: usize, cord: usize) -> String {
     let Decided { wiring, old, decision } = *decided;
@@ -38,8 +38,8 @@ pub(super) fn cord_rule(decided: &Decided<'_>, element: usize, cord: usize) -> S
     let time = if wiring.integrates(element) { decision.time } else { 1.0 };
     let input_factor = decided.factor(input, 0).unwrap_or(1.0);
     let output_factor = if before == 0.0 { 1.0 } else { after / before * input_factor * time };
-    let mut text = format!("gain x pot = {}", number(before));
-    for (sign, factor) in [(" x ", output_factor), (" / ", input_factor), (" / ", time)] {
+    let mut text = format!("gain * pot = {}", number(before));
+    for (sign, factor) in [(" * ", output_factor), (" / ", input_factor), (" / ", time)] {
         if number(factor) != "1" {
             text += &format!("{sign}{}", number(factor));
         }
