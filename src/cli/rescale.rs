@@ -49,7 +49,7 @@ pub(super) fn rescale(request: &Request<'_>) -> Result<(), Failure> {
     if !request.refused.is_empty() {
         let options = request.refused.join(" and ");
         return Err(Failure::usage(format!(
-            "{options} only for a problem: a patch has a machine and scales"
+            "{options}: not for a patch, which has its own machine and scales"
         )));
     }
     let folder = request.file.parent().unwrap_or(Path::new(""));
@@ -57,11 +57,11 @@ pub(super) fn rescale(request: &Request<'_>) -> Result<(), Failure> {
     let outputs = Outputs::of_patch(request.file, &patch);
     outputs.prepare(None, request.out)?;
     check_folder(&patch, folder, request.out)?;
-    eprint_report(&Circuit::new(&patch)?.warnings());
     let rescaled = rescale_patch(&patch, &RescaleOptions { time: request.time }).map_err(failure)?;
-    let warnings = Circuit::new(&rescaled.patch)?.warnings();
+    let mut warnings = Circuit::new(&rescaled.patch)?.warnings();
     if let Some(file) = request.out {
         outputs.write(file, rescaled.patch.text().as_bytes())?;
+        warnings.file = file.display().to_string();
     }
     if request.json {
         return print_json(&Document::new(&patch, &rescaled, &warnings, request.out));
