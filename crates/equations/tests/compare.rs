@@ -180,6 +180,18 @@ fn a_time_scale_that_no_pot_contains_is_named() {
     assert_eq!(difference(&found[1]).0, ["the term v is 10 times too large, by the time scale"]);
 }
 
+#[test]
+fn differences_from_the_law_of_a_drive_are_named() {
+    let agreement = |equation: &str| agreements(&patch("lessons/driven-oscillator", &[equation])).remove(0);
+    let wrong = agreement("m x'' = 2 F sin(2 pi f t) - k x - d x'");
+    let (differences, wired) = difference(&wrong);
+    assert_eq!(differences, ["the term (2 F/m) sin(2 pi f t) is 2 times too small"]);
+    assert!(wired.contains("(F/m) sin(2 pi f t)"), "{wired}");
+    let wrong = agreement("push = 2 F sin(2 pi f t)");
+    let sides = "in the wiring, the left side is F sin(2 pi f t) and the right side is 2 F sin(2 pi f t)";
+    assert_eq!(difference(&wrong).0, [sides]);
+}
+
 /// The frequencies of the traps are in rad/s and in rpm. A drive converts both to cycles per second.
 #[test]
 fn a_drive_has_the_angular_frequency_of_its_parameter() {
