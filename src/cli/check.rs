@@ -53,7 +53,8 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let fixes = equation_fixes(&circuit, &program, &compared);
     let is_audited = arguments.scaling || arguments.patch.json;
     let gains = if is_audited { audit_scaling(&circuit, &program) } else { Vec::new() };
-    let requested = RequestedChecks { gains, test: test.map(|test| StaticReport::new(test, &fixes)) };
+    let test = test.map(|test| StaticReport::new(&circuit, test, &fixes));
+    let requested = RequestedChecks { gains, test };
     let findings = findings_with_fixes(&circuit, &compared, &fixes);
     let equations = Report::new(&warnings.file, circuit.patch().text(), findings);
     if equations.has_errors() {

@@ -13,6 +13,7 @@ mod listing;
 mod mistakes;
 mod parameters;
 mod problem_files;
+mod rescale;
 mod round_trip;
 mod scale;
 mod static_check;
