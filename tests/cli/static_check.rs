@@ -215,6 +215,29 @@ fn derivatives_are_printed_with_the_voltages() {
     assert!(entry("B1")["rate"].is_null() && document["static_check"].is_null());
 }
 
+/// A velocity scale in m/s in place of mm/s: the wiring does not solve an equation, and a scale has a warning.
+#[test]
+fn a_wrong_patch_has_its_voltages_and_warnings_too() {
+    let wrong_unit = "crates/equations/tests/patches/traps/g6c.json";
+    let checked = patchcord(&["check", wrong_unit, "--voltages"]);
+    assert_eq!(code(&checked), 1);
+    // 50 V through P1 = 40 x 1e-3 / 10 / 10 into x10 of A1.
+    let text = out(&checked);
+    assert_eq!(line(&text, "A1"), ["A1", "integrator", "0.0000", "-0.2000"]);
+    assert_eq!(line(&text, "B1"), ["B1", "summer", "50.0000"]);
+    let report = errors(&checked);
+    assert!(report.ends_with("g6c.json: 1 error, 1 warning\n"), "{report}");
+    assert_eq!(report.matches("warning[scale-mismatch]").count(), 1, "{report}");
+
+    let document = json(&patchcord(&["check", wrong_unit, "--json"]));
+    let codes: Vec<_> =
+        document["diagnostics"].as_array().unwrap().iter().map(|finding| &finding["code"]).collect();
+    assert_eq!(codes, ["equation-not-solved", "scale-mismatch"]);
+    let voltages = document["voltages"].as_array().unwrap();
+    let rate = voltages.iter().find(|entry| entry["element"] == "A1").unwrap()["rate"].as_f64().unwrap();
+    assert!((rate + 0.2).abs() < 1e-9, "{rate}");
+}
+
 #[test]
 fn the_equations_decide_about_gains() {
     let right = patchcord(&["check", SPRING, "--scaling"]);

@@ -17,3 +17,4 @@ mod rescale;
 mod round_trip;
 mod scale;
 mod static_check;
+mod textbook;

@@ -1,6 +1,7 @@
 //! All problems of `tests/systems` and `problems` become patches without overloads whose runs agree with SciPy.
 
 use std::path::Path;
+use std::time::Instant;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -119,6 +120,21 @@ fn a_rod_of_100_cells_reaches_its_straight_profile() {
         let expected = 80.0 * (1.0 - f64::from(cell) / 101.0);
         assert!((last - expected).abs() < 1e-6, "T{cell} = {last}, expected {expected}");
     }
+}
+
+/// The seconds that the scaling of a problem takes.
+fn seconds(problem: &Problem) -> f64 {
+    let start = Instant::now();
+    scale_problem(problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    start.elapsed().as_secs_f64()
+}
+
+#[test]
+#[ignore = "measures times: other tests would slow it down"]
+fn the_slideway_takes_less_than_1_s_and_a_rod_of_100_cells_less_than_5_s() {
+    let slideway = Problem::read(problem_file("slideway")).unwrap_or_else(|error| panic!("{error}"));
+    let [slideway, rod] = [slideway, rod(100)].map(|problem| seconds(&problem));
+    assert!(slideway < 1.0 && rod < 5.0, "{slideway} s and {rod} s");
 }
 
 /// The scaled patch of a problem of pure numbers with these quantities and equations, and the last value of a signal
