@@ -188,7 +188,7 @@ fn differences_from_the_law_of_a_drive_are_named() {
     assert_eq!(differences, ["the term (2 F/m) sin(2 pi f t) is 2 times too small"]);
     assert!(wired.contains("(F/m) sin(2 pi f t)"), "{wired}");
     let wrong = agreement("push = 2 F sin(2 pi f t)");
-    let sides = "in the wiring, the left side is F sin(2 pi f t) and the right side is 2 F sin(2 pi f t)";
+    let sides = "in the wiring, the left side is push and the right side is 2 F sin(2 pi f t)";
     assert_eq!(difference(&wrong).0, [sides]);
 }
 

@@ -2,6 +2,7 @@
 //! another time scale, all voltages stay.
 
 use patchcord_core::circuit::Circuit;
+use patchcord_core::document::{Code, Diagnostic};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 use patchcord_core::solve::{RunSettings, run};
@@ -244,6 +245,9 @@ fn another_time_scale_keeps_all_voltages_and_scales() {
         let expected = patch.time_scale * time;
         assert!((rescaled.time_scale / expected - 1.0).abs() < 1e-12, "{label}: {}", rescaled.time_scale);
         check_equations(&patch, &rescaled.patch);
+        let warnings = compiled(&rescaled.patch).0.warnings();
+        let is_about_time = |finding: &Diagnostic| finding.code == Code::UNUSED_TIME_SCALE;
+        assert!(!warnings.findings.iter().any(is_about_time), "{label}: {warnings}");
         let names: Vec<String> = patch.drives.keys().chain(patch.elements.keys()).cloned().collect();
         // The inverter B7 of the rod is behind a pot, so its voltage is a rate per machine second, too.
         let stays = |name: &String| {

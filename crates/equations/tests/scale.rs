@@ -1,7 +1,6 @@
 //! All problems of `tests/systems` and `problems` become patches without overloads whose runs agree with SciPy.
 
 use std::path::Path;
-use std::time::Instant;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -13,6 +12,7 @@ use patchcord_expr::Unit;
 use serde_json::Value;
 
 use crate::problem_files::{problem_file, problem_files, reference};
+use crate::rod::rod;
 
 /// Largest difference from SciPy, as a share of the peak.
 const TOLERANCE: f64 = 1e-6;
@@ -86,27 +86,6 @@ fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// A rod of cells, heated at one end, in equal cells: T_i' = a (T_(i-1) - 2 T_i + T_(i+1)). `run` is its section.
-fn rod(cells: usize, run: &str) -> Problem {
-    let quantities: Vec<String> =
-        (1..=cells).map(|cell| format!(r#""T{cell}": {{"unit": "K", "initial": 0}}"#)).collect();
-    let left = |cell: usize| if cell == 1 { "T_hot".to_owned() } else { format!("T{}", cell - 1) };
-    let right = |cell: usize| if cell == cells { "0".to_owned() } else { format!("T{}", cell + 1) };
-    let equation = |cell: usize| format!("\"T{cell}' = a ({} - 2 T{cell} + {})\"", left(cell), right(cell));
-    let equations: Vec<String> = (1..=cells).map(equation).collect();
-    let text = format!(
-        r#"{{"patchcord": 1,
-  "parameters": {{"a": {{"value": 2, "unit": "1/s"}}, "T_hot": {{"value": 80, "unit": "K"}}}},
-  "quantities": {{{}}},
-  "equations": [{}],
-  "run": {run}
-}}"#,
-        quantities.join(", "),
-        equations.join(", ")
-    );
-    Problem::parse("rod.json", &text).unwrap_or_else(|report| panic!("{report}"))
-}
-
 #[test]
 fn a_rod_of_100_cells_reaches_its_straight_profile() {
     let scaled =
@@ -120,21 +99,6 @@ fn a_rod_of_100_cells_reaches_its_straight_profile() {
         let expected = 80.0 * (1.0 - f64::from(cell) / 101.0);
         assert!((last - expected).abs() < 1e-6, "T{cell} = {last}, expected {expected}");
     }
-}
-
-/// The seconds that the scaling of a problem takes.
-fn seconds(problem: &Problem) -> f64 {
-    let start = Instant::now();
-    scale_problem(problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-    start.elapsed().as_secs_f64()
-}
-
-#[test]
-#[ignore = "measures times: other tests would slow it down"]
-fn the_slideway_takes_less_than_1_s_and_a_rod_of_100_cells_less_than_5_s() {
-    let slideway = Problem::read(problem_file("slideway")).unwrap_or_else(|error| panic!("{error}"));
-    let [slideway, rod] = [slideway, rod(100)].map(|problem| seconds(&problem));
-    assert!(slideway < 1.0 && rod < 5.0, "{slideway} s and {rod} s");
 }
 
 /// The scaled patch of a problem of pure numbers with these quantities and equations, and the last value of a signal
