@@ -72,6 +72,24 @@ fn every_row_is_in_its_own_unit() {
     assert_eq!(made.peaks.len(), 2, "{:?}", made.peaks);
 }
 
+/// 5 V are 83 V of the machine with 0.06 V per volt, the roundest scale from 5 / 94 to 5 / 51.
+#[test]
+fn a_drive_of_the_scaled_equations_has_its_scale() {
+    let text = r#"{"patchcord": 1, "parameters": {"T": {"value": 1, "unit": "s"}},
+        "quantities": {"x": {"unit": "mV", "initial": 0}},
+        "drives": {"u": {"kind": "square", "unit": "V", "amplitude": 5, "frequency": 0.1}},
+        "equations": ["T x' = u - x"], "run": {"for": 5, "step": 1e-3}}"#;
+    let problem = Problem::parse("problem.json", text).unwrap_or_else(|report| panic!("{report}"));
+    let made = scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let [drive] = made.drives.as_slice() else { panic!("{:?}", made.drives) };
+    assert_eq!((drive.name.as_str(), drive.unit.as_str(), drive.per_volt), ("u", "V", 0.06));
+    assert!((drive.maximum / 5.0 - 1.0).abs() < 1e-9, "{}", drive.maximum);
+    assert!((drive.peak / (5.0 / 0.06) - 1.0).abs() < 1e-9, "{}", drive.peak);
+    assert!(row(&made, "x").scaled_equation.contains("[u]"), "{:?}", made.quantities);
+    let free = scaled(r#""x": {"unit": "mm", "initial": 80}"#, r#""T x' = -x""#, &ScaleOptions::default());
+    assert_eq!(free.drives, []);
+}
+
 #[test]
 fn a_product_and_an_absolute_value_with_scales_of_their_own_have_factors() {
     let quantities = r#""x": {"unit": "mm", "initial": 50, "per_volt": 0.6},
