@@ -16,6 +16,8 @@ use crate::synthesis::with_step;
 
 /// How often the step is shortened. Each time the run can take ten times as long.
 const MAX_CHANGES: usize = 3;
+/// The step is not shortened further if the run then has this number of steps.
+const MOST_STEPS: f64 = 500_000.0;
 /// Share of a step that is tried after a run that stopped.
 const SHARE_AFTER_STOP: f64 = 0.1;
 
@@ -52,11 +54,11 @@ impl RunStep {
             Err(error) if self.shorten_after(&error, patch) => return Ok(true),
             trace => trace?,
         };
-        let may_change = self.changes < MAX_CHANGES;
+        let may_change = self.may_change(patch);
         self.is_still_too_long = trace.step_warning.is_some() && !may_change;
         match trace.step_warning {
             Some(warning) if may_change => {
-                self.change(warning.recommended.min(0.5 * warning.step));
+                self.change(patch, warning.recommended.min(0.5 * warning.step));
                 Ok(true)
             }
             _ => Ok(false),
@@ -67,19 +69,25 @@ impl RunStep {
     /// shorter.
     pub(super) fn shorten_after(&mut self, error: &ScaleError, patch: &Patch) -> bool {
         let ScaleError::Run(stopped) = error else { return false };
-        let may_help = stopped.error.may_depend_on_step() && self.changes < MAX_CHANGES;
+        let may_help = stopped.error.may_depend_on_step() && self.may_change(patch);
         match &patch.run.step {
             Some(step) if may_help => {
-                self.change(SHARE_AFTER_STOP * step.value);
+                self.change(patch, SHARE_AFTER_STOP * step.value);
                 true
             }
             _ => false,
         }
     }
 
-    /// Sets a shorter step.
-    fn change(&mut self, step: f64) {
-        self.shorter = Some(step);
+    /// Whether the step of a patch may be shortened.
+    fn may_change(&self, patch: &Patch) -> bool {
+        let is_least = patch.run.step.as_ref().is_some_and(|step| step.value <= least_step(patch));
+        self.changes < MAX_CHANGES && !is_least
+    }
+
+    /// Sets a shorter step in place of that of a patch.
+    fn change(&mut self, patch: &Patch, step: f64) {
+        self.shorter = Some(step.max(least_step(patch)));
         self.changes += 1;
     }
 
@@ -100,6 +108,11 @@ impl RunStep {
         };
         Some(Diagnostic::at(codes::SHORTENED_STEP, stated.span, message).hint(hint))
     }
+}
+
+/// The shortest step in seconds that is set in a patch. 0 if the length of its run is not known.
+fn least_step(patch: &Patch) -> f64 {
+    patch.run.duration.as_ref().map_or(0.0, |duration| duration.value / MOST_STEPS)
 }
 
 /// The record of a run of a patch with its own settings, with checks of its steps. It ends at the first overload: after
