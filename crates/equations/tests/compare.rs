@@ -231,3 +231,61 @@ fn a_delay_by_a_number_agrees_for_the_present_time() {
         assert!(matches!(agreement(equation), Agreement::Different { .. }), "{equation}");
     }
 }
+
+/// A first-order lag whose input is k in a short pulse of this height.
+fn with_short_pulse(height: &str, period: Option<f64>, pulse: &str) -> Value {
+    let mut drive = json!({"kind": "pulse", "begin": 3, "width": 0.001, "height": height, "scale": "x"});
+    if let Some(period) = period {
+        drive["period"] = json!(period);
+    }
+    json!({
+        "patchcord": 1,
+        "equations": [format!("x' = -x + k {pulse}")],
+        "parameters": {"k": {"value": 0.4, "unit": "1"}},
+        "scales": {"x": {"per_volt": 0.01, "unit": "1"}},
+        "drives": {"D1": drive},
+        "elements": {
+            "B1": {"kind": "inverter", "in": "D1"},
+            "A1": {"kind": "integrator", "in": {"x1": ["A1", "B1"]}, "initial": 50},
+        },
+        "signals": {"x": {"at": "A1", "scale": "x"}},
+        "run": {"for": 10},
+    })
+}
+
+#[test]
+fn short_pulses_are_compared() {
+    let once = "(step(t - 3) - step(t - 3.001))";
+    let repeated = "step(t - 3) (1 - step((t - 3)/4 - floor((t - 3)/4) - 0.001/4))";
+    for (period, pulse) in [(None, once), (Some(4.0), repeated)] {
+        assert_eq!(agreements(&with_short_pulse("k", period, pulse)), [Agreement::Solved], "{pulse}");
+        for height in ["k/2", "0*k", "-k"] {
+            let wrong = agreements(&with_short_pulse(height, period, pulse));
+            assert!(matches!(wrong[0], Agreement::Different { .. }), "{height}, {pulse}: {wrong:?}");
+        }
+    }
+}
+
+/// A lag whose input is 0.4 between two thresholds that are 0.01 V apart, with these voltages of the comparators.
+fn with_narrow_window(high: f64, against: f64) -> Value {
+    json!({
+        "patchcord": 1,
+        "equations": ["x' = -x + 0.4 (step(x - 0.3) - step(x - 0.3001))"],
+        "scales": {"x": {"per_volt": 0.01, "unit": "1"}},
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["A1", "C1", "C2"]}, "initial": 50},
+            "C1": {"kind": "comparator", "in": "A1", "threshold": 30, "high": -high, "low": 0},
+            "C2": {"kind": "comparator", "in": "A1", "threshold": against, "high": high, "low": 0},
+        },
+        "signals": {"x": {"at": "A1", "scale": "x"}},
+    })
+}
+
+#[test]
+fn narrow_windows_are_compared() {
+    assert_eq!(agreements(&with_narrow_window(40.0, 30.01)), [Agreement::Solved]);
+    for (high, against) in [(20.0, 30.01), (-40.0, 30.01), (40.0, 30.02)] {
+        let wrong = agreements(&with_narrow_window(high, against));
+        assert!(matches!(wrong[0], Agreement::Different { .. }), "{high}, {against}: {wrong:?}");
+    }
+}
