@@ -16,3 +16,4 @@ mod problem_files;
 mod round_trip;
 mod scale;
 mod static_check;
+mod thresholds;

@@ -1,10 +1,12 @@
-//! Compares expressions within short intervals, such as a short pulse or the narrow window of two comparators.
+//! Compares expressions between their corners, such as within a short pulse or between two thresholds.
 //!
-//! Points in the whole range seldom lie within such an interval. Its ends are corners: the values of one quantity at
-//! which the argument of a step or of an absolute value is 0, or at which a number that is rounded down jumps.
+//! Points in the whole range seldom lie within a short interval. Its ends are corners: the values of one quantity at
+//! which the argument of a step or of an absolute value is 0, or at which a number that is rounded down jumps. If a
+//! threshold is wrong, the expressions differ between the right and the wrong one only.
 
 use std::collections::BTreeMap;
 use std::slice::from_ref;
+use std::sync::Arc;
 
 use patchcord_expr::Function;
 
@@ -18,11 +20,15 @@ const MAX_FUNCTIONS: usize = 32;
 /// Longest argument of such a function, in terms.
 const LONGEST: usize = 40;
 /// Intervals at most: the shortest ones, because points in the whole range lie within the others.
-const MAX_INTERVALS: usize = 24;
+const MAX_INTERVALS: usize = 48;
 /// Places within an interval, as shares of its length.
 const PLACES: [f64; 3] = [0.5, 0.23, 0.81];
-/// Length of an interval, as a share of its ends, up to which they are one corner with two roundings.
+/// Length of an interval between corners of one expression, as a share of them, up to which they are one corner.
 const ROUNDING: f64 = 1e-9;
+/// The same between corners of two expressions. Thresholds are often rounded to three digits.
+const SAME_THRESHOLD: f64 = 1.5e-3;
+/// Length of any interval, as a share of the range, up to which its ends are one corner.
+const SHORTEST: f64 = 1e-12;
 
 /// The values of a quantity between two neighbouring corners. All others have their values at a point.
 struct Interval<'a> {
@@ -38,14 +44,14 @@ impl Interval<'_> {
         (self.ends[1] - self.ends[0]) / (high - low)
     }
 
-    /// Whether the ends are different corners.
-    fn has_length(&self) -> bool {
+    /// Whether the ends are different corners. Up to this share of them they are one corner.
+    fn is_longer(&self, share: f64) -> bool {
         let [low, high] = self.ends;
-        high - low > ROUNDING * low.abs().max(high.abs())
+        high - low > share * low.abs().max(high.abs()) && self.length() > SHORTEST
     }
 
     /// Whether two expressions are equal where both have a value.
-    fn are_equal(&self, sides: [&Fraction; 2]) -> bool {
+    fn has_equal(&self, sides: [&Fraction; 2]) -> bool {
         let [low, high] = self.ends;
         PLACES.iter().all(|place| {
             let at = [low + place * (high - low)];
@@ -54,30 +60,58 @@ impl Interval<'_> {
     }
 }
 
-/// Whether two expressions are equal between the corners of each of them. `point` is any of the points.
+/// Whether two expressions are equal between all corners of both. `point` is any of the points.
 pub(super) fn equal_between_corners(point: Point<'_>, sides: [&Fraction; 2]) -> bool {
-    sides.iter().all(|side| intervals(point, side).iter().all(|interval| interval.are_equal(sides)))
+    let functions = sides.map(|side| {
+        let mut functions = side.functions_with(&has_corners);
+        functions.truncate(MAX_FUNCTIONS);
+        functions
+    });
+    let mut found: Vec<Interval<'_>> = Vec::new();
+    for point in points(point).take(BASES) {
+        let corners = functions.each_ref().map(|functions| corners_at(point, functions));
+        for own in &corners {
+            found.extend(intervals(point, own, ROUNDING));
+        }
+        found.extend(intervals(point, &with_ends_of_ranges(point, corners), SAME_THRESHOLD));
+    }
+    found.sort_by(|one, other| one.length().total_cmp(&other.length()));
+    found.iter().take(MAX_INTERVALS).all(|interval| interval.has_equal(sides))
 }
 
-/// The shortest intervals between the corners of an expression.
-fn intervals<'a>(point: Point<'a>, expression: &Fraction) -> Vec<Interval<'a>> {
-    let mut functions = expression.functions_with(&has_corners);
-    functions.truncate(MAX_FUNCTIONS);
-    let mut found = Vec::new();
-    for point in points(point).take(BASES) {
-        let mut places: BTreeMap<Symbol, Vec<f64>> = BTreeMap::new();
-        for (symbol, place) in functions.iter().flat_map(|function| corners(function, &point)) {
-            places.entry(symbol).or_default().push(place);
-        }
-        for (symbol, mut places) in places {
-            places.sort_by(f64::total_cmp);
-            let pairs = places.windows(2);
-            found.extend(pairs.map(|pair| Interval { point, symbol, ends: [pair[0], pair[1]] }));
-        }
+/// Values of quantities, by quantity.
+type Corners = BTreeMap<Symbol, Vec<f64>>;
+
+/// The corners of functions near a point.
+fn corners_at(point: Point<'_>, functions: &[Arc<Application>]) -> Corners {
+    let mut found = Corners::new();
+    for (symbol, place) in functions.iter().flat_map(|function| corners(function, &point)) {
+        found.entry(symbol).or_default().push(place);
     }
-    found.retain(Interval::has_length);
-    found.sort_by(|one, other| one.length().total_cmp(&other.length()));
-    found.truncate(MAX_INTERVALS);
+    found
+}
+
+/// The corners of two expressions, with the ends of the ranges of their quantities.
+fn with_ends_of_ranges(point: Point<'_>, [mut all, other]: [Corners; 2]) -> Corners {
+    for (symbol, places) in other {
+        all.entry(symbol).or_default().extend(places);
+    }
+    for (symbol, places) in &mut all {
+        places.extend(point.range(*symbol));
+    }
+    all
+}
+
+/// The intervals between neighbouring corners that differ by more than this share of them.
+fn intervals<'a>(point: Point<'a>, corners: &Corners, share: f64) -> Vec<Interval<'a>> {
+    let mut found = Vec::new();
+    for (symbol, places) in corners {
+        let mut places = places.clone();
+        places.sort_by(f64::total_cmp);
+        let pairs = places.windows(2);
+        found.extend(pairs.map(|pair| Interval { point, symbol: *symbol, ends: [pair[0], pair[1]] }));
+    }
+    found.retain(|interval| interval.is_longer(share));
     found
 }
 
@@ -102,9 +136,11 @@ fn corners(function: &Application, point: &Point<'_>) -> Vec<(Symbol, f64)> {
     };
     let zeros: Vec<Fraction> =
         levels.into_iter().map(|level| argument.minus(&Fraction::number(level))).collect();
-    let symbols = argument.symbols().into_iter().filter(|symbol| !symbol.is_constant);
-    let places = |symbol: Symbol| zeros.iter().filter_map(move |zero| root(zero, symbol, point));
-    symbols.flat_map(|symbol| places(symbol).map(move |place| (symbol, place))).collect()
+    let mut found = Vec::new();
+    for symbol in argument.symbols().into_iter().filter(|symbol| !symbol.is_constant) {
+        found.extend(zeros.iter().filter_map(|zero| Some((symbol, root(zero, symbol, point)?))));
+    }
+    found
 }
 
 /// The value of a quantity within its range at which an expression is 0, near its value at a point.

@@ -112,6 +112,9 @@ impl Point<'_> {
 
     /// The value of a quantity that varies at 1 V.
     fn per_volt(&self, symbol: Symbol) -> f64 {
+        if let Some(per_volt) = self.system.per_volt.get(&symbol) {
+            return value(per_volt, self);
+        }
         let name = &self.system.symbols.entry(symbol).name;
         let signal = self.program.signals().iter().find(|signal| signal.name == *name);
         let per_volt = signal.and_then(|signal| signal.per_volt);

@@ -107,7 +107,7 @@ fn without_laws(program: &Program) -> (Symbol, Wiring) {
     let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);
     let tables = tables(program);
     let wiring = Wiring {
-        system: System { symbols, laws: Vec::new(), modes: Vec::new(), tables, margins: Vec::new() },
+        system: System { tables, ..System::without_laws(symbols) },
         states: Vec::new(),
         names: HashMap::new(),
         delayed: Vec::new(),
