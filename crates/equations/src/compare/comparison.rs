@@ -219,8 +219,8 @@ impl<'a> Comparison<'a> {
         let implicit: Vec<Fraction> = implicit.collect();
         let none = HashSet::new();
         implicit.iter().any(|law| {
-            let ratio = residual.over(&self.model.expanded_fraction(law, &none));
-            ratio.is_constant()
+            let law = self.model.expanded_fraction(law, &none);
+            !law.is_zero() && residual.over(&law).is_constant()
         })
     }
 
