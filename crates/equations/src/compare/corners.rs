@@ -11,7 +11,9 @@ use std::sync::Arc;
 use patchcord_expr::Function;
 
 use super::points::{Point, equal_at, points};
-use crate::symbolic::{Application, CallOrder, Fraction, Operation, Roots, Symbol, TrialValues, Values, value};
+use crate::symbolic::{
+    Application, CallOrder, Fraction, Operation, Roots, Symbol, TrialValues, Values, value,
+};
 
 /// Points at which corners are looked for.
 const BASES: usize = 3;

@@ -247,10 +247,7 @@ fn step_on_side(argument: &Fraction, condition: &Fraction, side: Side) -> Option
 
 /// The different values of an expression below, at and above 0 of a condition, in the order in which they are examined,
 /// each with the relation of the condition to 0. The last one needs none.
-fn alternatives(
-    [below, zero, above]: [Fraction; 3],
-    is_reversed: bool,
-) -> Vec<(Fraction, Option<Relation>)> {
+fn alternatives([below, zero, above]: [Fraction; 3], is_reversed: bool) -> Vec<(Fraction, Option<Relation>)> {
     if below == above {
         let exception = (zero != above).then_some((zero, Some(Relation::Equal)));
         return exception.into_iter().chain([(above, None)]).collect();
