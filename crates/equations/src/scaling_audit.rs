@@ -11,8 +11,7 @@ use patchcord_expr::split_primes;
 
 use crate::derive::System;
 use crate::graph::ConstantValues;
-use crate::notation::primed;
-use crate::notation::text;
+use crate::notation::{primed, text};
 use crate::static_check::stated::{Alias, Stated, aliases};
 use crate::symbolic::{Fraction, partial_derivative};
 use crate::writing::Writer;
@@ -135,6 +134,7 @@ enum Factor {
 
 /// The stated equations of a circuit, each solved for a quantity.
 struct Audit<'a> {
+    /// The circuit.
     circuit: &'a Circuit,
     /// The names of the quantities.
     system: System,
@@ -142,6 +142,7 @@ struct Audit<'a> {
     constants: ConstantValues,
     /// The names that equations give to derivatives.
     aliases: Vec<Alias<'a>>,
+    /// The solved equations.
     solved: Vec<SolvedEquation>,
 }
 
