@@ -11,6 +11,7 @@ use std::sync::Arc;
 use patchcord_expr::Function;
 
 use super::points::{Point, equal_at, points};
+use super::terms::TOLERANCE;
 use crate::symbolic::{
     Application, CallOrder, Fraction, Operation, Roots, Symbol, TrialValues, Values, value,
 };
@@ -25,10 +26,9 @@ const LONGEST: usize = 40;
 const MAX_INTERVALS: usize = 48;
 /// Places within an interval, as shares of its length.
 const PLACES: [f64; 3] = [0.5, 0.23, 0.81];
-/// Length of an interval between corners of one expression, as a share of them, up to which they are one corner.
+/// Length of an interval between corners of one expression, as a share of them, up to which they are one corner. Those
+/// of two expressions can be rounded settings, so they have the tolerance of a factor.
 const ROUNDING: f64 = 1e-9;
-/// The same between corners of two expressions. Thresholds are often rounded to three digits.
-const SAME_THRESHOLD: f64 = 1.5e-3;
 /// Length of any interval, as a share of the range, up to which its ends are one corner.
 const SHORTEST: f64 = 1e-12;
 
@@ -75,7 +75,7 @@ pub(super) fn equal_between_corners(point: Point<'_>, sides: [&Fraction; 2]) -> 
         for own in &corners {
             found.extend(intervals(point, own, ROUNDING));
         }
-        found.extend(intervals(point, &with_ends_of_ranges(point, corners), SAME_THRESHOLD));
+        found.extend(intervals(point, &with_ends_of_ranges(point, corners), TOLERANCE));
     }
     found.sort_by(|one, other| one.length().total_cmp(&other.length()));
     found.iter().take(MAX_INTERVALS).all(|interval| interval.has_equal(sides))
