@@ -7,7 +7,7 @@ use super::Writer;
 use super::maxima::with_maxima;
 use crate::derive::ModeLaw;
 use crate::notation::{Comparison, Condition, Notation, Relation, conditions_text};
-use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, SymbolKind};
+use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, SymbolKind, partial_derivative};
 
 /// Most conditions of one expression that become cases. Further ones are written as a function `step`.
 const MOST_CONDITIONS: usize = 3;
@@ -49,7 +49,7 @@ impl Writer<'_> {
         let Some(condition) = condition else { return vec![(self.sum(value, dimension), Vec::new())] };
         let sides = [Side::Below, Side::Zero, Side::Above].map(|side| on_side(value, &condition, side));
         // A law of time begins with the earlier values.
-        let alternatives = alternatives(sides, self.is_of_time(&condition));
+        let alternatives = alternatives(sides, self.rises_with_time(&condition));
         let left = if alternatives.len() > 1 { left - 1 } else { left };
         let mut cases = Vec::new();
         for (value, relation) in alternatives {
@@ -96,10 +96,13 @@ impl Writer<'_> {
         cases.collect()
     }
 
-    /// Whether an expression varies with time only.
-    fn is_of_time(&self, value: &Fraction) -> bool {
+    /// Whether an expression varies with time only, and is not known to fall.
+    fn rises_with_time(&self, value: &Fraction) -> bool {
         let symbols = &self.system.symbols;
-        !value.contains(&mut |symbol| !symbol.is_constant && symbols.entry(symbol).kind != SymbolKind::Time)
+        let mut times = symbols.entries().filter(|(_, entry)| entry.kind == SymbolKind::Time);
+        let Some((time, _)) = times.next() else { return false };
+        !value.contains(&mut |symbol| !symbol.is_constant && symbol != time)
+            && !partial_derivative(value, time).negated().is_positive()
     }
 
     /// The condition that an expression is 0 or above, or strictly above 0. The smaller of two values is above 0 if both

@@ -40,7 +40,7 @@ fn a_condition_decides_those_that_exclude_it() {
 fn a_law_of_time_begins_with_the_earlier_values() {
     check(&[
         ("F step(t - 3)", "{0 if t < 3; F otherwise}"),
-        ("x step(w - t) + y (1 - step(w - t))", "{y if t > w; x otherwise}"),
+        ("x step(w - t) + y (1 - step(w - t))", "{x if t <= w; y otherwise}"),
     ]);
 }
 
