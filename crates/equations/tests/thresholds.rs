@@ -125,6 +125,26 @@ fn a_limit_near_the_end_of_the_range_is_compared() {
     );
 }
 
+#[test]
+fn a_narrow_step_of_a_curve_is_compared() {
+    let curve = |points: Value| {
+        let patch = json!({
+            "patchcord": 1,
+            "equations": ["y = x"],
+            "scales": {"x": {"per_volt": 0.01, "unit": "1"}},
+            "elements": {
+                "A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+                "G1": {"kind": "function-generator", "in": "A1", "points": points},
+            },
+            "signals": {"x": {"at": "A1", "scale": "x"}, "y": {"at": "G1", "scale": "x"}},
+        });
+        agreements(&patch).remove(0)
+    };
+    assert_eq!(curve(json!([[-100, -100], [20, 20], [100, 100]])), Agreement::Solved);
+    let bump = curve(json!([[-100, -100], [40.3, 40.3], [40.4, 41], [40.5, 40.5], [100, 100]]));
+    assert!(matches!(bump, Agreement::Different { .. }), "{bump:?}");
+}
+
 /// At 100 V, x is 1 and x'' is 10 000.
 #[test]
 fn a_derivative_is_compared_in_its_own_range() {

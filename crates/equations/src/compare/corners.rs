@@ -1,8 +1,8 @@
 //! Compares expressions between their corners, such as within a short pulse or between two thresholds.
 //!
 //! Points in the whole range seldom lie within a short interval. Its ends are corners: the values of one quantity at
-//! which the argument of a step or of an absolute value is 0, or at which a number that is rounded down jumps. If a
-//! threshold is wrong, the expressions differ between the right and the wrong one only.
+//! which the argument of a step or of an absolute value is 0, at which a number that is rounded down jumps, and those of
+//! the points of a table. If a threshold is wrong, the expressions differ between the right and the wrong one only.
 
 use std::collections::BTreeMap;
 use std::slice::from_ref;
@@ -22,6 +22,8 @@ const BASES: usize = 3;
 const MAX_FUNCTIONS: usize = 32;
 /// Longest argument of such a function, in terms.
 const LONGEST: usize = 40;
+/// Points of a table that are corners, at most.
+const MAX_TABLE_POINTS: usize = 64;
 /// Intervals at most: the shortest ones, because points in the whole range lie within the others.
 const MAX_INTERVALS: usize = 48;
 /// Places within an interval, as shares of its length.
@@ -121,7 +123,10 @@ fn intervals<'a>(point: Point<'a>, corners: &Corners, share: f64) -> Vec<Interva
 fn has_corners(function: &Application) -> bool {
     let has_corner = matches!(
         function.operation,
-        Operation::Absolute | Operation::Step | Operation::Call(CallOrder(Function::Floor))
+        Operation::Absolute
+            | Operation::Step
+            | Operation::Table(_)
+            | Operation::Call(CallOrder(Function::Floor))
     );
     has_corner && function.arguments.iter().all(|argument| argument.nested_size(LONGEST + 1) <= LONGEST)
 }
@@ -133,6 +138,10 @@ fn corners(function: &Application, point: &Point<'_>) -> Vec<(Symbol, f64)> {
         Operation::Call(_) => {
             let level = value(argument, point).floor();
             vec![level, level + 1.0]
+        }
+        Operation::Table(table) => {
+            let points = &point.system.tables[table as usize].points;
+            points.iter().take(MAX_TABLE_POINTS).map(|[abscissa, _]| *abscissa).collect()
         }
         _ => vec![0.0],
     };
