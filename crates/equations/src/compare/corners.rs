@@ -12,6 +12,7 @@ use patchcord_expr::Function;
 
 use super::points::{Point, equal_at, points};
 use super::terms::TOLERANCE;
+use crate::derive::System;
 use crate::symbolic::{
     Application, CallOrder, Fraction, Operation, Roots, Symbol, TrialValues, Values, value,
 };
@@ -66,11 +67,7 @@ impl Interval<'_> {
 
 /// Whether two expressions are equal between all corners of both. `point` is any of the points.
 pub(super) fn equal_between_corners(point: Point<'_>, sides: [&Fraction; 2]) -> bool {
-    let functions = sides.map(|side| {
-        let mut functions = side.functions_with(&has_corners);
-        functions.truncate(MAX_FUNCTIONS);
-        functions
-    });
+    let functions = sides.map(corner_functions);
     let mut found: Vec<Interval<'_>> = Vec::new();
     for point in points(point).take(BASES) {
         let corners = functions.each_ref().map(|functions| corners_at(point, functions));
@@ -119,6 +116,13 @@ fn intervals<'a>(point: Point<'a>, corners: &Corners, share: f64) -> Vec<Interva
     found
 }
 
+/// The functions of an expression whose corners are looked for.
+pub(super) fn corner_functions(expression: &Fraction) -> Vec<Arc<Application>> {
+    let mut functions = expression.functions_with(&has_corners);
+    functions.truncate(MAX_FUNCTIONS);
+    functions
+}
+
 /// Whether a function has corners that can be found fast.
 fn has_corners(function: &Application) -> bool {
     let has_corner = matches!(
@@ -131,33 +135,46 @@ fn has_corners(function: &Application) -> bool {
     has_corner && function.arguments.iter().all(|argument| argument.nested_size(LONGEST + 1) <= LONGEST)
 }
 
-/// The corners of a function near a point: each with the quantity that has this value there.
-fn corners(function: &Application, point: &Point<'_>) -> Vec<(Symbol, f64)> {
+/// The expressions that are 0 at the corners of a function near some values.
+pub(super) fn corner_residuals(
+    function: &Application,
+    system: &System,
+    values: &dyn Values,
+) -> Vec<Fraction> {
     let Some(argument) = function.arguments.first() else { return Vec::new() };
     let levels = match function.operation {
         Operation::Call(_) => {
-            let level = value(argument, point).floor();
+            let level = value(argument, values).floor();
             vec![level, level + 1.0]
         }
         Operation::Table(table) => {
-            let points = &point.system.tables[table as usize].points;
+            let points = &system.tables[table as usize].points;
             points.iter().take(MAX_TABLE_POINTS).map(|[abscissa, _]| *abscissa).collect()
         }
         _ => vec![0.0],
     };
-    let zeros: Vec<Fraction> =
-        levels.into_iter().map(|level| argument.minus(&Fraction::number(level))).collect();
-    let mut found = Vec::new();
-    for symbol in argument.symbols().into_iter().filter(|symbol| !symbol.is_constant) {
-        found.extend(zeros.iter().filter_map(|zero| Some((symbol, root(zero, symbol, point)?))));
-    }
-    found
+    levels.into_iter().map(|level| argument.minus(&Fraction::number(level))).collect()
 }
 
-/// The value of a quantity within its range at which an expression is 0, near its value at a point.
-fn root(expression: &Fraction, symbol: Symbol, point: &Point<'_>) -> Option<f64> {
+/// The value of a quantity at which an expression is 0, near its present value. `None` if it is outside of a range.
+pub(super) fn root(
+    expression: &Fraction,
+    symbol: Symbol,
+    values: &dyn Values,
+    [low, high]: [f64; 2],
+) -> Option<f64> {
     let roots = Roots::new(vec![symbol], vec![expression.clone()]);
-    let found = *roots.near(vec![point.symbol(symbol)], point)?.first()?;
-    let [low, high] = point.range(symbol);
+    let found = *roots.near(vec![values.symbol(symbol)], values)?.first()?;
     (low..=high).contains(&found).then_some(found)
+}
+
+/// The corners of a function near a point: each with the quantity that has this value there.
+fn corners(function: &Application, point: &Point<'_>) -> Vec<(Symbol, f64)> {
+    let mut found = Vec::new();
+    for residual in corner_residuals(function, point.system, point) {
+        for symbol in residual.symbols().into_iter().filter(|symbol| !symbol.is_constant) {
+            found.extend(root(&residual, symbol, point, point.range(symbol)).map(|place| (symbol, place)));
+        }
+    }
+    found
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use patchcord_expr::{Equation, Function};
 
+use crate::compare::corners::corner_functions;
 use crate::compare::intended::fraction;
 use crate::compare::model::{Model, Obstacle};
 use crate::derive::LawKind;
@@ -52,6 +53,12 @@ impl Question {
     /// The names of the parameters on which the equation or a loop behind it depends.
     pub(super) fn parameters(&self, model: &Model<'_>) -> Vec<String> {
         model.parameters_in(self.sides.iter().chain(self.loops.iter().flat_map(Roots::expressions)))
+    }
+
+    /// The functions of the sides, and of the loops behind them, that have corners.
+    pub(super) fn corner_functions(&self) -> Vec<Arc<Application>> {
+        let expressions = self.sides.iter().chain(self.loops.iter().flat_map(Roots::expressions));
+        expressions.flat_map(corner_functions).collect()
     }
 
     /// The angles of points in rad.
