@@ -157,8 +157,7 @@ impl<'a> Audit<'a> {
             solved.extend(solved_equation(circuit, &mut stated, &aliases, index, &renamed));
         }
         let Stated { symbols, .. } = stated;
-        let (laws, modes, tables, margins) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let system = System { symbols, laws, modes, tables, margins };
+        let system = System::without_laws(symbols);
         let constants = ConstantValues::new(&system.symbols, circuit);
         Audit { circuit, system, constants, aliases, solved }
     }

@@ -272,3 +272,27 @@ fn a_delay_by_a_number_agrees_for_the_present_time() {
         assert!(matches!(agreement(equation), Agreement::Different { .. }), "{equation}");
     }
 }
+
+/// Within the range of a logarithm, an equation can hold for the present values of its parameters only.
+#[test]
+fn an_equation_that_holds_within_a_range_depends_on_parameters_too() {
+    let agreement = |setting: &str, equation: &str| {
+        agreements(&json!({
+            "patchcord": 1,
+            "equations": [equation],
+            "parameters": {"K": {"value": 0.125, "unit": "1"}},
+            "scales": {"x": {"per_volt": 0.01, "unit": "1"}},
+            "elements": {
+                "A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+                "L1": {"kind": "log", "in": "A1", "per_decade": 25, "least": 1, "reference": 100},
+                "P1": {"kind": "pot", "in": "L1", "setting": setting},
+            },
+            "signals": {"x": {"at": "A1", "scale": "x"}, "y": {"at": "P1", "scale": "x"}},
+        }))
+    };
+    let [in_range, at_present] = ["4*K", "0.5"].map(|setting| agreement(setting, "y = K log10(x)"));
+    assert_eq!(in_range, [Agreement::SolvedIf(vec!["x >= 0.01".to_owned()])]);
+    assert_eq!(at_present, [Agreement::SolvedAt(vec!["K".to_owned()])]);
+    let wrong = agreement("0.5", "y = 2 K log10(x)");
+    assert!(matches!(wrong[0], Agreement::Different { .. }), "{wrong:?}");
+}

@@ -19,3 +19,4 @@ mod round_trip;
 mod scale;
 mod static_check;
 mod textbook;
+mod thresholds;

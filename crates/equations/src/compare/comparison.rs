@@ -1,11 +1,12 @@
 //! The comparison of a stated equation with one model of the wiring.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::{Equation, split_primes};
 
+use super::corners::equal_between_corners;
 use super::delays::with_delay_times;
 use super::expansions::TimeLaws;
 use super::intended::fraction;
@@ -15,7 +16,7 @@ use super::points::{ParameterValues, Point, equal_at_points};
 use super::solution::Solved;
 use super::terms::{DifferenceKind, TermDifference, differences};
 use crate::derive::LawKind;
-use crate::symbolic::{Fraction, Symbol, SymbolKind, value};
+use crate::symbolic::{Fraction, Symbol, value};
 
 /// A comparison in progress.
 pub(super) struct Comparison<'a> {
@@ -136,7 +137,7 @@ impl<'a> Comparison<'a> {
         if sides[0] == sides[1] {
             return Ok(Outcome::Solved);
         }
-        let are_equal = self.are_equal(ParameterValues::Present, sides.each_ref());
+        let are_equal = equal_at_points(self.point(ParameterValues::Present), sides.each_ref());
         // Different values are found faster than a difference in normal form. They do not decide if the wiring has a loop
         // that makes both sides equal.
         if are_equal != Some(false) || self.has_implicit_laws() {
@@ -146,17 +147,25 @@ impl<'a> Comparison<'a> {
             }
         }
         match self.solved(equation)? {
-            Some(solved) => self.solved_outcome(equation, &solved),
+            Some(solved) => self.solved_outcome(equation, &solved, are_equal),
             None => self.unsolved_outcome(sides, are_equal),
         }
     }
 
-    /// The outcome for an equation that is solved for a quantity.
-    fn solved_outcome(&mut self, equation: &Equation, solved: &Solved) -> Result<Outcome, Obstacle> {
+    /// The outcome for an equation that is solved for a quantity. `are_equal` is whether its sides are equal at points.
+    fn solved_outcome(
+        &mut self,
+        equation: &Equation,
+        solved: &Solved,
+        are_equal: Option<bool>,
+    ) -> Result<Outcome, Obstacle> {
         let kept = self.kept(equation, &solved.name);
         let wired = self.model.named(&solved.name, &kept)?;
         let Solved { name, value: stated, .. } = solved;
-        if let Some(term) = self.wrong_term(equation, solved, &wired, &kept) {
+        // Kept signals can differ although the sides are equal: the wiring may compute such a signal twice.
+        if are_equal == Some(false)
+            && let Some(term) = self.wrong_term(equation, solved, &wired, &kept)
+        {
             return Ok(Outcome::Terms { name: name.clone(), terms: vec![term], wired });
         }
         let terms = self.differences(ParameterValues::Present, [stated, &wired]);
@@ -191,9 +200,11 @@ impl<'a> Comparison<'a> {
             return Err(Obstacle::Implicit(self.model.system.symbols.entry(symbol).name.clone()));
         }
         Ok(match are_equal {
-            Some(true) => self.solved_generally([&left, &right]),
-            Some(false) if residual.is_zero() => Outcome::Solved,
-            Some(false) => Outcome::Sides(left, right),
+            Some(true) if self.are_equal(ParameterValues::Present, [&left, &right]) == Some(true) => {
+                self.solved_generally([&left, &right])
+            }
+            Some(_) if residual.is_zero() => Outcome::Solved,
+            Some(_) => Outcome::Sides(left, right),
             None => Outcome::NoValue,
         })
     }
@@ -213,8 +224,8 @@ impl<'a> Comparison<'a> {
         let implicit: Vec<Fraction> = implicit.collect();
         let none = HashSet::new();
         implicit.iter().any(|law| {
-            let ratio = residual.over(&self.model.expanded_fraction(law, &none));
-            ratio.is_constant()
+            let law = self.model.expanded_fraction(law, &none);
+            !law.is_zero() && residual.over(&law).is_constant()
         })
     }
 
@@ -315,9 +326,11 @@ impl<'a> Comparison<'a> {
         found
     }
 
-    /// Whether two expressions are equal at points; see [`equal_at_points`].
+    /// Whether two expressions are equal at points, see [`equal_at_points`], and within short intervals.
     fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
-        equal_at_points(self.point(parameters), sides)
+        let point = self.point(parameters);
+        let are_equal = equal_at_points(point, sides)?;
+        Some(are_equal && equal_between_corners(point, sides))
     }
 
     /// A point with these values of the parameters.
@@ -333,17 +346,7 @@ impl<'a> Comparison<'a> {
         {
             return Outcome::Solved;
         }
-        let mut names = BTreeSet::new();
-        for side in sides {
-            side.contains(&mut |symbol| {
-                let entry = self.model.system.symbols.entry(symbol);
-                if matches!(entry.kind, SymbolKind::Parameter(_)) {
-                    names.insert(entry.name.clone());
-                }
-                false
-            });
-        }
-        Outcome::SolvedAt(names.into_iter().collect())
+        Outcome::SolvedAt(self.model.parameters_in(sides))
     }
 }
 

@@ -6,7 +6,7 @@ use patchcord_expr::Equation;
 
 use super::comparison::Comparison;
 use crate::derive::LawKind;
-use crate::symbolic::{Atom, Fraction, absolute};
+use crate::symbolic::{Application, Atom, Fraction, absolute};
 use crate::writing::Writer;
 
 impl Comparison<'_> {
@@ -55,10 +55,10 @@ impl Comparison<'_> {
 fn has_absolute_value_of(value: &Fraction, inside: &Fraction) -> bool {
     let size = absolute(inside);
     let Some((product, _)) = size.numerator().as_term() else { return false };
-    let mut is_found = false;
-    value.with_factors(&mut |atom| {
-        is_found |= matches!(atom, Atom::Apply(_)) && product.exponent(atom) != 0;
-        None
+    let inside = product.factors().iter().filter_map(|(atom, _)| match atom {
+        Atom::Symbol(_) => None,
+        Atom::Apply(applied) => Some(applied.as_ref()),
     });
-    is_found
+    let functions: Vec<&Application> = inside.collect();
+    !value.functions_with(&|function| functions.contains(&function)).is_empty()
 }

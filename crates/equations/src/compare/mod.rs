@@ -7,6 +7,7 @@
 
 mod comparison;
 mod conditions;
+mod corners;
 mod delays;
 mod expanded;
 mod expansions;
@@ -173,8 +174,11 @@ impl<'a> EquationComparer<'a> {
         }
         let (circuit, program) = (self.circuit, self.program);
         let in_range = self.in_range.get_or_insert_with(|| Comparison::new(circuit, program, true));
-        let is_solved = matches!(in_range.outcome(equation)?, Outcome::Solved);
-        Ok((found, is_solved))
+        Ok(match in_range.outcome(equation)? {
+            Outcome::Solved => (found, true),
+            present @ Outcome::SolvedAt(_) => (present, false),
+            _ => (found, false),
+        })
     }
 
     /// The outcome for an equation in which a quantity has no formula, by values at states. `found` is the outcome by

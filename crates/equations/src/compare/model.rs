@@ -295,6 +295,18 @@ impl Model<'_> {
         value.contains(&mut |symbol| self.system.symbols.entry(symbol).kind == SymbolKind::Time)
     }
 
+    /// The names of the parameters in expressions, in alphabetical order.
+    pub(super) fn parameters_in<'f>(
+        &self,
+        expressions: impl IntoIterator<Item = &'f Fraction>,
+    ) -> Vec<String> {
+        let symbols = expressions.into_iter().flat_map(Fraction::symbols);
+        let entries = symbols.map(|symbol| self.system.symbols.entry(symbol));
+        let parameters = entries.filter(|entry| matches!(entry.kind, SymbolKind::Parameter(_)));
+        let names: BTreeSet<&str> = parameters.map(|entry| entry.name.as_str()).collect();
+        names.into_iter().map(str::to_owned).collect()
+    }
+
     /// The name of a quantity in an expression that is no parameter.
     fn first_variable(&self, value: &Fraction) -> Option<String> {
         let mut found = None;

@@ -2,6 +2,7 @@
 
 use patchcord_core::ir::{ParameterValue, Program};
 use patchcord_core::low_discrepancy::golden_place;
+use patchcord_core::machines::REFERENCE;
 
 use crate::derive::System;
 use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, term_size, value};
@@ -71,20 +72,27 @@ pub(super) fn points(point: Point<'_>) -> impl Iterator<Item = Point<'_>> {
 
 /// Whether two expressions are equal at all points at which both have a value. `None` if they have one at few points, as
 /// the root of a quantity that is mostly negative. `point` is any of the points.
-pub(super) fn equal_at_points(point: Point<'_>, [first, second]: [&Fraction; 2]) -> Option<bool> {
+pub(super) fn equal_at_points(point: Point<'_>, sides: [&Fraction; 2]) -> Option<bool> {
     let mut compared = 0;
     for point in points(point) {
-        let [one, other] = [first, second].map(|fraction| value(fraction, &point));
-        if !(one.is_finite() && other.is_finite()) {
-            continue;
+        match equal_at(&point, sides) {
+            Some(true) => compared += 1,
+            Some(false) => return Some(false),
+            None => {}
         }
-        let size = term_size(first, &point) + term_size(second, &point);
-        if (one - other).abs() > ROUNDING * size {
-            return Some(false);
-        }
-        compared += 1;
     }
     (compared >= MIN_POINTS).then_some(true)
+}
+
+/// Whether two expressions have equal values. `None` if one has no value.
+pub(super) fn equal_at(values: &dyn Values, [first, second]: [&Fraction; 2]) -> Option<bool> {
+    let [one, other] = [first, second].map(|fraction| value(fraction, values));
+    if !(one.is_finite() && other.is_finite()) {
+        return None;
+    }
+    let size = term_size(first, values) + term_size(second, values);
+    let is_different = (one - other).abs() > ROUNDING * size;
+    Some(!is_different)
 }
 
 /// Another value for the parameter with this index.
@@ -99,10 +107,27 @@ impl Point<'_> {
     fn variable(&self, symbol: Symbol) -> f64 {
         let share = 2.0 * golden_place(u64::from(self.index) + u64::from(symbol.index)) - 1.0;
         let volts = share * 10f64.powi(self.index as i32 % 3);
+        volts * self.per_volt(symbol)
+    }
+
+    /// The value of a quantity that varies at 1 V.
+    fn per_volt(&self, symbol: Symbol) -> f64 {
+        if let Some(per_volt) = self.system.per_volt.get(&symbol) {
+            return value(per_volt, self);
+        }
         let name = &self.system.symbols.entry(symbol).name;
         let signal = self.program.signals().iter().find(|signal| signal.name == *name);
         let per_volt = signal.and_then(|signal| signal.per_volt);
-        per_volt.map_or(volts, |index| volts * self.coefficients[index as usize])
+        per_volt.map_or(1.0, |index| self.coefficients[index as usize])
+    }
+
+    /// The range of a quantity that varies: times within the run, and ±100 V for all others.
+    pub(super) fn range(&self, symbol: Symbol) -> [f64; 2] {
+        if self.system.symbols.entry(symbol).kind == SymbolKind::Time {
+            return [0.0, self.duration];
+        }
+        let end = REFERENCE * self.per_volt(symbol).abs();
+        [-end, end]
     }
 }
 

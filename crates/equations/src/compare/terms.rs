@@ -30,7 +30,7 @@ pub(crate) enum DifferenceKind {
     Extra,
 }
 
-/// Relative deviation of a factor up to which a term is right. Settings are often rounded to three digits, like the
+/// Relative deviation of a factor or of a threshold up to which it is right. Settings are often rounded to three digits, like the
 /// readings of the voltmeter that they come from.
 pub(super) const TOLERANCE: f64 = 1e-3;
 

@@ -158,6 +158,7 @@ impl Simplification<'_> {
             }
         }
         self.system.replace(*state, &value);
+        self.system.per_volt.insert(*signal, factor.clone());
     }
 
     /// The derivative of an expression of drives and constants with respect to time.

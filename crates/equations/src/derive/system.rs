@@ -20,6 +20,8 @@ pub(crate) struct System {
     pub tables: Vec<TableLaw>,
     /// By how much the inputs of squaring networks and logarithms are within their range, in volts.
     pub margins: Vec<Fraction>,
+    /// The values at 1 V of the states that have got the name of a signal or of a derivative.
+    pub per_volt: HashMap<Symbol, Fraction>,
 }
 
 /// What determines a quantity.
@@ -197,6 +199,18 @@ pub(crate) struct TableUnit {
 }
 
 impl System {
+    /// A system without laws.
+    pub(crate) fn without_laws(symbols: Symbols) -> Self {
+        System {
+            symbols,
+            laws: Vec::new(),
+            modes: Vec::new(),
+            tables: Vec::new(),
+            margins: Vec::new(),
+            per_volt: HashMap::new(),
+        }
+    }
+
     /// The law of a quantity.
     pub(crate) fn law(&self, of: Symbol) -> Option<&LawKind> {
         self.laws.iter().find(|law| law.of == of).map(|law| &law.kind)

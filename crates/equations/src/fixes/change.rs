@@ -86,7 +86,14 @@ impl Change {
         for name in self.elements(panel) {
             entries.insert(name, document.get(name)?.clone());
         }
-        let mut added = None;
+        let added = self.plug_cords(panel, &mut entries)?;
+        let changed = entries.iter().flat_map(|(name, entry)| changed_keys(name, &document[*name], entry));
+        Some(changed.chain(added).collect())
+    }
+
+    /// Changes the cords in the entries of elements, by their names. Returns the edits for a further element. `None` if
+    /// the document does not have a cord as the circuit has it.
+    fn plug_cords(&self, panel: &Panel<'_>, entries: &mut BTreeMap<&str, Value>) -> Option<Vec<Edit>> {
         match self {
             Change::Regain { cord, jack, .. } => {
                 let place = &panel.cords[*cord].place;
@@ -102,7 +109,7 @@ impl Change {
                 let place = &panel.cords[*cord].place;
                 replug(entries.get_mut(place.element.as_str())?, place, &panel.new_name)?;
                 let inverter = json!({"kind": "inverter", "in": place.source});
-                added = Some(Edit::at(["elements", panel.new_name.as_str()], inverter));
+                return Some(vec![Edit::at(["elements", panel.new_name.as_str()], inverter)]);
             }
             Change::Unplug { cord } => {
                 let place = &panel.cords[*cord].place;
@@ -119,8 +126,7 @@ impl Change {
             }
             Change::Set(_) => {}
         }
-        let changed = entries.iter().flat_map(|(name, entry)| changed_keys(name, &document[*name], entry));
-        Some(changed.chain(added).collect())
+        Some(Vec::new())
     }
 
     /// The names of the elements whose cords change.

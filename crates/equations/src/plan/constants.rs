@@ -48,8 +48,7 @@ impl Constants {
             add(name, SymbolKind::Parameter(index), parameter.unit.dimension(), is_nonnegative);
         }
         let values = ConstantValues::new(&symbols, circuit);
-        let system =
-            System { symbols, laws: Vec::new(), modes: Vec::new(), tables: Vec::new(), margins: Vec::new() };
+        let system = System::without_laws(symbols);
         Constants { system, named, values }
     }
 

@@ -73,13 +73,7 @@ fn count(plan: &Plan, has_property: impl Fn(&Operation) -> bool) -> usize {
 
 /// The nodes of a plan except the number 1, each as a line: name = operation.
 fn lines(plan: &Plan) -> Vec<String> {
-    let system = System {
-        symbols: plan.symbols.clone(),
-        laws: Vec::new(),
-        modes: Vec::new(),
-        tables: Vec::new(),
-        margins: Vec::new(),
-    };
+    let system = System::without_laws(plan.symbols.clone());
     let printer = Printer { plan, writer: Writer::physical(&system) };
     plan.ids().skip(1).map(|id| printer.line(id)).collect()
 }

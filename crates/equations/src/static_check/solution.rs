@@ -15,8 +15,8 @@ use super::handles::{Handle, stated_names};
 use super::stated::Stated;
 use super::wired::Wired;
 use crate::symbolic::{
-    Atom, CallOrder, Fraction, Operation, Roots, Symbol, SymbolKind, Values, is_at_switch,
-    partial_derivative, term_size, value,
+    CallOrder, Fraction, Operation, Roots, Symbol, SymbolKind, Values, is_at_switch, partial_derivative,
+    term_size, value,
 };
 
 /// Where the value of a quantity comes from.
@@ -147,14 +147,7 @@ impl<'a> Solution<'a> {
 
     /// The quantities in an expression that vary.
     fn quantities(&self, expression: &Fraction) -> BTreeSet<Symbol> {
-        let mut found = BTreeSet::new();
-        expression.contains(&mut |symbol| {
-            if self.stated.varies(symbol) {
-                found.insert(symbol);
-            }
-            false
-        });
-        found
+        expression.symbols().into_iter().filter(|symbol| self.stated.varies(*symbol)).collect()
     }
 
     /// Adds a value, unless the quantity has one.
@@ -336,14 +329,8 @@ impl<'a> Solution<'a> {
 
 /// Whether an expression contains the angle of a point.
 fn has_angle(expression: &Fraction) -> bool {
-    let mut is_found = false;
-    expression.with_factors(&mut |atom| {
-        if let Atom::Apply(applied) = atom {
-            is_found |= applied.operation == Operation::Call(CallOrder(Function::Atan2));
-        }
-        None
-    });
-    is_found
+    let angle = Operation::Call(CallOrder(Function::Atan2));
+    !expression.functions_with(&|function| function.operation == angle).is_empty()
 }
 
 /// The values of the quantities that are known.

@@ -106,16 +106,16 @@ impl<'v> Evaluation<'v> {
             |index: usize| applied.arguments.get(index).map_or(0.0, |argument| self.fraction(argument));
         match applied.operation {
             Operation::Absolute => argument(0).abs(),
-            Operation::Step => f64::from(u8::from(argument(0) >= 0.0)),
+            Operation::Step => step_of(argument(0)),
             Operation::Call(CallOrder(function)) => function.apply(argument(0), argument(1)),
             Operation::Table(table) => values.table(table, argument(0)),
             Operation::TableSlope(table) => values.slope(table, argument(0)),
-            Operation::Minimum => argument(0).min(argument(1)),
-            Operation::Maximum => argument(0).max(argument(1)),
-            Operation::Limit => argument(0).max(argument(1)).min(argument(2)),
+            Operation::Minimum => lower_of(argument(0), argument(1)),
+            Operation::Maximum => -lower_of(-argument(0), -argument(1)),
+            Operation::Limit => lower_of(-lower_of(-argument(0), -argument(1)), argument(2)),
             Operation::Sign => {
                 let value = argument(0);
-                f64::from(i8::from(value > 0.0) - i8::from(value < 0.0))
+                step_of(value) - step_of(-value)
             }
             Operation::Group => argument(0),
             Operation::Delay => values.delayed(&applied.arguments[0], argument(1)),
@@ -123,11 +123,42 @@ impl<'v> Evaluation<'v> {
     }
 }
 
+/// 1 if a value is 0 or above, otherwise 0. A value that is not known has no step.
+fn step_of(value: f64) -> f64 {
+    if value.is_nan() { value } else { f64::from(u8::from(value >= 0.0)) }
+}
+
+/// The smaller of two values. NaN if one is not known.
+fn lower_of(one: f64, other: f64) -> f64 {
+    if one.is_nan() || one < other { one } else { other }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing::Point;
     use crate::testing::reading::read;
+
+    #[test]
+    fn a_function_of_an_unknown_value_has_no_value() {
+        let at = |x: f64| Point([x, 5.0, 0.0, 0.0, 0.0]);
+        for text in ["step(x)", "step(-x)", "sign(x)", "y step(x - 1)", "max(x, y)", "limit(x, z, y)"] {
+            assert!(value(&read(text), &at(f64::NAN)).is_nan(), "{text}");
+            assert!(value(&read(text), &at(1.0)).is_finite(), "{text}");
+        }
+        let [x, y] = ["x", "y"].map(read);
+        for operation in [Operation::Minimum, Operation::Maximum] {
+            for arguments in [vec![x.clone(), y.clone()], vec![y.clone(), x.clone()]] {
+                let function = Fraction::atom(Atom::function(operation, arguments));
+                assert!(value(&function, &at(f64::NAN)).is_nan(), "{operation:?}");
+                let expected = if operation == Operation::Minimum { 1.0 } else { 5.0 };
+                assert_eq!(value(&function, &at(1.0)), expected);
+            }
+        }
+        let limit = Fraction::atom(Atom::function(Operation::Limit, vec![x, read("z"), y]));
+        assert!(value(&limit, &at(f64::NAN)).is_nan());
+        assert_eq!([-1.0, 3.0, 9.0].map(|x| value(&limit, &at(x))), [0.0, 3.0, 5.0]);
+    }
 
     #[test]
     fn a_step_jumps_where_its_argument_is_0() {

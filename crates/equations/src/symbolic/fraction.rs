@@ -1,6 +1,6 @@
 //! The normal form of an expression: a sum of products over a product of sums.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use num_traits::{One as _, Signed as _, ToPrimitive as _};
@@ -224,6 +224,30 @@ impl Fraction {
     /// Whether a symbol with this property occurs anywhere in it.
     pub(crate) fn contains(&self, is_wanted: &mut dyn FnMut(Symbol) -> bool) -> bool {
         self.has_factor(&mut |atom| matches!(atom, Atom::Symbol(symbol) if is_wanted(*symbol)))
+    }
+
+    /// The symbols anywhere in it.
+    pub(crate) fn symbols(&self) -> BTreeSet<Symbol> {
+        let mut found = BTreeSet::new();
+        self.contains(&mut |symbol| {
+            found.insert(symbol);
+            false
+        });
+        found
+    }
+
+    /// The functions with this property anywhere in it. A function comes before those in its arguments.
+    pub(crate) fn functions_with(&self, is_wanted: &dyn Fn(&Application) -> bool) -> Vec<Arc<Application>> {
+        let mut found = Vec::new();
+        self.has_factor(&mut |atom| {
+            if let Atom::Apply(applied) = atom
+                && is_wanted(applied)
+            {
+                found.push(Arc::clone(applied));
+            }
+            false
+        });
+        found
     }
 
     /// Whether a factor with this property occurs anywhere in it. Each function is visited once, before its arguments.

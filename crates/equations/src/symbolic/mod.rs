@@ -29,7 +29,7 @@ pub(crate) use linear_system::linear_solution;
 pub(crate) use monomial::{Atom, CallOrder, Monomial, Operation};
 pub(crate) use number::{Rational, nearest, whole};
 pub(crate) use polynomial::Polynomial;
-pub(crate) use roots::Roots;
+pub(crate) use roots::{Roots, TrialValues};
 pub(crate) use symbol::{Symbol, SymbolEntry, SymbolKind, Symbols};
 
 #[cfg(test)]

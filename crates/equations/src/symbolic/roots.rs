@@ -66,7 +66,7 @@ impl Roots {
 
     /// All quantities, with these values of the unknowns.
     pub(crate) fn with<'t>(&'t self, trial: &'t [f64], values: &'t dyn Values) -> TrialValues<'t> {
-        TrialValues { unknowns: &self.unknowns, trial, values }
+        TrialValues::new(&self.unknowns, trial, values)
     }
 
     /// The derivatives at these values of the unknowns, by rows.
@@ -82,6 +82,13 @@ pub(crate) struct TrialValues<'t> {
     unknowns: &'t [Symbol],
     trial: &'t [f64],
     values: &'t dyn Values,
+}
+
+impl<'t> TrialValues<'t> {
+    /// The quantities of `values`, with trial values of the unknowns.
+    pub(crate) fn new(unknowns: &'t [Symbol], trial: &'t [f64], values: &'t dyn Values) -> Self {
+        TrialValues { unknowns, trial, values }
+    }
 }
 
 impl Values for TrialValues<'_> {

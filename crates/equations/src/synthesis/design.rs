@@ -103,9 +103,7 @@ impl<'a> Design<'a> {
     pub(super) fn new(input: &'a Input<'a>, scales: &Scales) -> Self {
         let names = ScaleNames::new(input);
         let table = ScaleTable::new(input, &scales.per_volt, &|id| names.of_node(id));
-        let symbols = input.plan.symbols.clone();
-        let system =
-            System { symbols, laws: Vec::new(), modes: Vec::new(), tables: Vec::new(), margins: Vec::new() };
+        let system = System::without_laws(input.plan.symbols.clone());
         Design { input, table, names, system, time_scale: scales.time_scale }
     }
 

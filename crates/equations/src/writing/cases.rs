@@ -7,7 +7,7 @@ use super::Writer;
 use super::maxima::with_maxima;
 use crate::derive::ModeLaw;
 use crate::notation::{Comparison, Condition, Notation, Relation, conditions_text};
-use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, SymbolKind};
+use crate::symbolic::{Application, Atom, Fraction, Operation, Polynomial, SymbolKind, partial_derivative};
 
 /// Most conditions of one expression that become cases. Further ones are written as a function `step`.
 const MOST_CONDITIONS: usize = 3;
@@ -47,18 +47,19 @@ impl Writer<'_> {
         }
         let condition = if left == 0 { None } else { first_condition(value) };
         let Some(condition) = condition else { return vec![(self.sum(value, dimension), Vec::new())] };
-        let [then, otherwise] = [1, 0].map(|holds| with_condition(value, &condition, holds));
-        if then == otherwise {
-            return self.branches(&then, dimension, left);
-        }
+        let sides = [Side::Below, Side::Zero, Side::Above].map(|side| on_side(value, &condition, side));
         // A law of time begins with the earlier values.
-        let is_reversed = self.is_of_time(&condition);
-        let relation = if is_reversed { Relation::Less } else { Relation::AtLeast };
-        let (first, second) = if is_reversed { (otherwise, then) } else { (then, otherwise) };
-        let comparison = self.compare(&condition, relation);
-        let mut cases = self.branches(&first, dimension, left - 1);
-        cases.iter_mut().for_each(|(_, conditions)| conditions.insert(0, comparison.clone()));
-        cases.extend(self.branches(&second, dimension, left - 1));
+        let alternatives = alternatives(sides, self.rises_with_time(&condition));
+        let left = if alternatives.len() > 1 { left - 1 } else { left };
+        let mut cases = Vec::new();
+        for (value, relation) in alternatives {
+            let mut inner = self.branches(&value, dimension, left);
+            if let Some(relation) = relation {
+                let comparison = self.compare(&condition, relation);
+                inner.iter_mut().for_each(|(_, conditions)| conditions.insert(0, comparison.clone()));
+            }
+            cases.extend(inner);
+        }
         cases
     }
 
@@ -95,10 +96,13 @@ impl Writer<'_> {
         cases.collect()
     }
 
-    /// Whether an expression varies with time only.
-    fn is_of_time(&self, value: &Fraction) -> bool {
+    /// Whether an expression varies with time only, and is not known to fall.
+    fn rises_with_time(&self, value: &Fraction) -> bool {
         let symbols = &self.system.symbols;
-        !value.contains(&mut |symbol| !symbol.is_constant && symbols.entry(symbol).kind != SymbolKind::Time)
+        let mut times = symbols.entries().filter(|(_, entry)| entry.kind == SymbolKind::Time);
+        let Some((time, _)) = times.next() else { return false };
+        !value.contains(&mut |symbol| !symbol.is_constant && symbol != time)
+            && !partial_derivative(value, time).negated().is_positive()
     }
 
     /// The condition that an expression is 0 or above, or strictly above 0. The smaller of two values is above 0 if both
@@ -209,21 +213,56 @@ fn step_argument(applied: &Application) -> Option<&Fraction> {
     if applied.operation == Operation::Step { applied.arguments.first() } else { None }
 }
 
-/// An expression with the step of a condition, and that of the opposite condition, replaced by numbers.
-fn with_condition(value: &Fraction, condition: &Fraction, holds: i64) -> Fraction {
-    let opposite = condition.negated();
+/// The side of 0 on which the argument of a step is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// It is below 0.
+    Below,
+    /// It is exactly 0.
+    Zero,
+    /// It is above 0.
+    Above,
+}
+
+/// An expression with the argument of a step on this side of 0. The steps that this decides are numbers.
+fn on_side(value: &Fraction, condition: &Fraction, side: Side) -> Fraction {
     value.with_factors(&mut |atom| {
         let Atom::Apply(applied) = atom else { return None };
-        let argument = step_argument(applied)?;
-        if argument == condition {
-            return Some(Fraction::whole(holds));
-        }
-        if *argument == opposite {
-            return Some(Fraction::whole(1 - holds));
-        }
-        // A condition with a lower threshold holds too, and one with a higher threshold fails too.
-        let above = argument.minus(condition);
-        let is_implied = if holds == 1 { above.is_nonnegative() } else { above.negated().is_nonnegative() };
-        is_implied.then(|| Fraction::whole(holds))
+        Some(Fraction::whole(i64::from(step_on_side(step_argument(applied)?, condition, side)?)))
     })
+}
+
+/// Whether a step of another argument is 1 if the condition is on this side of 0. `None` if that is not known.
+///
+/// The same steps are known at 0 and above 0. Only that of the opposite argument is 1 at 0 and 0 above it. So both sides
+/// have the same expression unless it occurs.
+fn step_on_side(argument: &Fraction, condition: &Fraction, side: Side) -> Option<bool> {
+    let (difference, sum) = (argument.minus(condition), argument.plus(condition));
+    match side {
+        // The sum is below the argument. An argument that is at most the condition is below 0 too.
+        Side::Below if sum.is_nonnegative() => Some(true),
+        Side::Below => difference.negated().is_nonnegative().then_some(false),
+        _ if difference.is_nonnegative() => Some(true),
+        _ if sum.is_zero() => Some(side == Side::Zero),
+        _ => sum.negated().is_positive().then_some(false),
+    }
+}
+
+/// The different values of an expression below, at and above 0 of a condition, in the order in which they are examined,
+/// each with the relation of the condition to 0. The last one needs none.
+fn alternatives([below, zero, above]: [Fraction; 3], is_reversed: bool) -> Vec<(Fraction, Option<Relation>)> {
+    if below == above {
+        let exception = (zero != above).then_some((zero, Some(Relation::Equal)));
+        return exception.into_iter().chain([(above, None)]).collect();
+    }
+    let is_low = zero == below;
+    let is_apart = !is_low && zero != above;
+    let under = if is_low { Relation::AtMost } else { Relation::Less };
+    let over = if is_low || is_apart { Relation::Greater } else { Relation::AtLeast };
+    let mut ends = [(above, Some(over)), (below, Some(under))];
+    if is_reversed {
+        ends.reverse();
+    }
+    let [first, (last, relation)] = ends;
+    if is_apart { vec![first, (last, relation), (zero, None)] } else { vec![first, (last, None)] }
 }

@@ -42,7 +42,7 @@ struct Fixture {
 
 impl Fixture {
     fn new() -> Self {
-        let mut fixture = Fixture { system: system(Symbols::default()) };
+        let mut fixture = Fixture { system: System::without_laws(Symbols::default()) };
         fixture.add("pi", "1", SymbolKind::Pi, true);
         for (index, (name, unit)) in PARAMETERS.into_iter().enumerate() {
             fixture.add(name, unit, SymbolKind::Parameter(index), true);
@@ -98,11 +98,6 @@ impl Fixture {
 fn entry(text: &str, unit: &str, kind: SymbolKind) -> SymbolEntry {
     let (name, primes) = name_and_primes(text);
     SymbolEntry { name: name.to_owned(), primes, kind, dimension: dimension(unit) }
-}
-
-/// A system without laws.
-fn system(symbols: Symbols) -> System {
-    System { symbols, laws: Vec::new(), margins: Vec::new(), modes: Vec::new(), tables: Vec::new() }
 }
 
 /// The name of a quantity and its number of primes.

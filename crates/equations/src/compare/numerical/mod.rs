@@ -5,6 +5,7 @@
 //! that the program computes. So the finite amplification does not matter. All other quantities are expressions of
 //! states, drives and such outputs, also their derivatives.
 
+mod corners;
 mod outputs;
 mod places;
 mod question;
@@ -116,8 +117,13 @@ impl<'a> Numerical<'a> {
         self.places.entry(time_laws).or_insert_with(|| places(program, motion, ramps, time_laws));
         let places = &self.places[&time_laws];
         let Summary { count, largest, first, is_general } = self.summary(&question, places);
-        match (first, is_general) {
-            (Some(index), _) => self.difference(equation, &question, (time_laws, index)),
+        let different = match first {
+            Some(index) => places.get(index).cloned(),
+            None if count < MIN_PLACES => None,
+            None => self.different_between_corners(&question, time_laws, places),
+        };
+        match (different, is_general) {
+            (Some(place), _) => self.difference(equation, &question, &place),
             _ if count < MIN_PLACES => Verdict::NoValues,
             _ if largest > EQUAL => Verdict::Near(largest),
             // A drive that is 0 at present would hide a cord that is missing.
@@ -175,15 +181,9 @@ impl<'a> Numerical<'a> {
         Some(known)
     }
 
-    /// The values of both sides and of the quantities of an equation at the place with this index, where they differ.
-    fn difference(
-        &mut self,
-        equation: &Equation,
-        question: &Question,
-        (time_laws, index): (TimeLaws, usize),
-    ) -> Verdict {
+    /// The values of both sides and of the quantities of an equation at a place where they differ.
+    fn difference(&mut self, equation: &Equation, question: &Question, place: &Place) -> Verdict {
         let quantities = self.quantities(equation);
-        let place = &self.places[&time_laws][index];
         let Some(known) = self.known(question, place, ParameterValues::Present) else {
             return Verdict::NoValues;
         };

@@ -98,6 +98,11 @@ impl<'a> Known<'a> {
         Some(())
     }
 
+    /// The value of an output at 1 V. `None` if the symbol is that of no output.
+    pub(super) fn per_volt(&self, symbol: Symbol) -> Option<f64> {
+        self.per_volt.get(&symbol.index).copied()
+    }
+
     /// A value for the derivative of a drive. Any is right, because drives are arbitrary functions of time. NaN for other
     /// quantities.
     fn derivative_of_drive(&self, symbol: Symbol) -> f64 {

@@ -25,6 +25,7 @@ const DISTANCES: [f64; 4] = [20.0, 4.0, 0.8, 0.1];
 const WIDE_DISTANCES: [f64; 5] = [80.0, 25.0, 8.0, 2.0, 0.5];
 
 /// A state of the machine with all voltages.
+#[derive(Debug, Clone)]
 pub(super) struct Place {
     /// The values of everything that lasts.
     pub point: ProgramPoint,
@@ -107,7 +108,7 @@ impl Search<'_> {
         let instant = index % self.motion.len();
         let from = &self.motion[instant];
         let (point, voltages) = if index < self.motion.len() {
-            self.evaluated(from.clone(), BTreeMap::new())?
+            evaluated(self.program, from.clone(), BTreeMap::new())?
         } else {
             self.first_at(from, index, &DISTANCES)?
         };
@@ -155,7 +156,7 @@ impl Search<'_> {
             (*drive, volts + distance * numbers.share())
         });
         let given = given.collect();
-        self.evaluated(point, given)
+        evaluated(self.program, point, given)
     }
 
     /// The voltages of the states at a distance from a point in random directions, within their limits. Those that follow a
@@ -170,17 +171,30 @@ impl Search<'_> {
         });
         moved.collect()
     }
+}
 
-    /// A point with all voltages. `None` if something overloads, a loop is not solved, or the input of a squaring network
-    /// or of a logarithm is outside its range.
-    fn evaluated(
-        &self,
-        point: ProgramPoint,
-        given: BTreeMap<Register, f64>,
-    ) -> Option<(ProgramPoint, Vec<f64>)> {
-        let voltages = self.program.unlimited_voltages_at(&point, &given)?;
-        let is_usable =
-            largest_demand(self.program, &voltages) <= OVERLOAD && is_in_range(self.program, &voltages);
-        is_usable.then_some((point, voltages))
-    }
+/// A place that differs from another one in the voltage of one state. `None` if nothing can be compared there.
+pub(super) fn with_state(program: &Program, place: &Place, state: usize, volts: f64) -> Option<Place> {
+    let mut states = place.point.states.clone();
+    states[state] = volts;
+    let drives = program.drive_registers().iter().map(|drive| (*drive, place.voltages[drive.index()]));
+    let (point, given) = if has_switches(program) {
+        (settled_point(program, &states).ok()?, BTreeMap::new())
+    } else {
+        (ProgramPoint { states, ..place.point.clone() }, drives.collect())
+    };
+    let (point, voltages) = evaluated(program, point, given)?;
+    Some(Place { point, voltages, instant: place.instant })
+}
+
+/// A point with all voltages. `None` if something overloads, a loop is not solved, or the input of a squaring network
+/// or of a logarithm is outside its range.
+fn evaluated(
+    program: &Program,
+    point: ProgramPoint,
+    given: BTreeMap<Register, f64>,
+) -> Option<(ProgramPoint, Vec<f64>)> {
+    let voltages = program.unlimited_voltages_at(&point, &given)?;
+    let is_usable = largest_demand(program, &voltages) <= OVERLOAD && is_in_range(program, &voltages);
+    is_usable.then_some((point, voltages))
 }

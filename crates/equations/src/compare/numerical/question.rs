@@ -3,14 +3,16 @@
 use std::collections::btree_map::{BTreeMap, Entry};
 use std::collections::{BTreeSet, HashSet};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use patchcord_expr::{Equation, Function};
 
+use crate::compare::corners::corner_functions;
 use crate::compare::intended::fraction;
 use crate::compare::model::{Model, Obstacle};
 use crate::derive::LawKind;
 use crate::symbolic::{
-    Atom, CallOrder, Fraction, Operation, Roots, Symbol, SymbolKind, Values, is_at_switch, value,
+    Application, Atom, CallOrder, Fraction, Operation, Roots, Symbol, Values, is_at_switch, value,
 };
 
 /// An equation to be evaluated.
@@ -38,9 +40,8 @@ impl Question {
         let sides = [left?, right?];
         let loops = loops(model, &sides);
         let angles = sides.iter().flat_map(angles).collect();
-        let mut found = BTreeSet::new();
-        sides.iter().for_each(|side| add_steps(side, &mut found));
-        let steps = found.into_iter().map(Fraction::atom).collect();
+        let found: BTreeSet<Arc<Application>> = sides.iter().flat_map(steps).collect();
+        let steps = found.into_iter().map(|step| Fraction::atom(Atom::Apply(step))).collect();
         Ok(Question { sides, loops, angles, steps })
     }
 
@@ -51,18 +52,13 @@ impl Question {
 
     /// The names of the parameters on which the equation or a loop behind it depends.
     pub(super) fn parameters(&self, model: &Model<'_>) -> Vec<String> {
-        let mut names = BTreeSet::new();
-        let expressions = self.loops.iter().flat_map(Roots::expressions);
-        for expression in self.sides.iter().chain(expressions) {
-            expression.contains(&mut |symbol| {
-                let entry = model.system.symbols.entry(symbol);
-                if matches!(entry.kind, SymbolKind::Parameter(_)) {
-                    names.insert(entry.name.clone());
-                }
-                false
-            });
-        }
-        names.into_iter().collect()
+        model.parameters_in(self.sides.iter().chain(self.loops.iter().flat_map(Roots::expressions)))
+    }
+
+    /// The functions of the sides, and of the loops behind them, that have corners.
+    pub(super) fn corner_functions(&self) -> Vec<Arc<Application>> {
+        let expressions = self.sides.iter().chain(self.loops.iter().flat_map(Roots::expressions));
+        expressions.flat_map(corner_functions).collect()
     }
 
     /// The angles of points in rad.
@@ -82,7 +78,7 @@ fn loops(model: &mut Model<'_>, sides: &[Fraction; 2]) -> Vec<Roots> {
     let mut found: BTreeMap<(u8, u32), (Symbol, Fraction)> = BTreeMap::new();
     let mut open = sides.to_vec();
     while let Some(expression) = open.pop() {
-        for symbol in symbols(&expression) {
+        for symbol in expression.symbols() {
             let Some(LawKind::Implicit(residual)) = model.system.law(symbol) else { continue };
             let (residual, primes) = (residual.clone(), model.system.symbols.entry(symbol).primes);
             if let Entry::Vacant(entry) = found.entry((primes, symbol.index)) {
@@ -101,39 +97,14 @@ fn loops(model: &mut Model<'_>, sides: &[Fraction; 2]) -> Vec<Roots> {
     by_order.into_values().map(|(unknowns, residuals)| Roots::new(unknowns, residuals)).collect()
 }
 
-/// The symbols in an expression.
-fn symbols(expression: &Fraction) -> Vec<Symbol> {
-    let mut found = Vec::new();
-    expression.contains(&mut |symbol| {
-        found.push(symbol);
-        false
-    });
-    found
-}
-
 /// The arguments of the angles of points in an expression.
 fn angles(expression: &Fraction) -> Vec<[Fraction; 2]> {
-    let mut found = Vec::new();
-    expression.with_factors(&mut |atom| {
-        if let Atom::Apply(applied) = atom
-            && applied.operation == Operation::Call(CallOrder(Function::Atan2))
-            && let [y, x] = applied.arguments.as_slice()
-        {
-            found.push([y.clone(), x.clone()]);
-        }
-        None
-    });
-    found
+    let angle = Operation::Call(CallOrder(Function::Atan2));
+    let found = expression.functions_with(&|function| function.operation == angle).into_iter();
+    found.filter_map(|function| <[Fraction; 2]>::try_from(function.arguments.clone()).ok()).collect()
 }
 
-/// Adds the steps in an expression.
-fn add_steps(expression: &Fraction, found: &mut BTreeSet<Atom>) {
-    expression.with_factors(&mut |atom| {
-        if let Atom::Apply(applied) = atom
-            && applied.operation == Operation::Step
-        {
-            found.insert(atom.clone());
-        }
-        None
-    });
+/// The steps in an expression.
+fn steps(expression: &Fraction) -> Vec<Arc<Application>> {
+    expression.functions_with(&|function| function.operation == Operation::Step)
 }

@@ -139,3 +139,14 @@ fn an_angle_jumps_by_a_turn() {
     assert!(has_jump(&[0.5, 3.1], &[0.6, -3.1]));
     assert!(!has_jump(&[0.5, 1.1], &[0.6, -1.1]));
 }
+
+/// The motion begins at x = 50 and is followed downward. A limit at 80 acts in another part of the range.
+#[test]
+fn a_limit_far_from_the_motion_is_found() {
+    let limited = |limit: &str| {
+        let x = format!("min(x, {limit})");
+        states(1.0, &format!("arm = -atan2({x}, sqrt(10000 - {x}^2))"))
+    };
+    assert_eq!(limited("80"), None);
+    assert_eq!(limited("200"), Some(24));
+}

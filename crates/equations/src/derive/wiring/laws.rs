@@ -1,6 +1,6 @@
 //! The laws of everything that lasts: states, delays, stored values, sources and modes.
 
-use patchcord_core::ir::{Level, Op, PulseTrain, Register};
+use patchcord_core::ir::{Level, Op, PulseTrain};
 use patchcord_expr::Function;
 
 use super::super::system::{Law, LawKind, Source, TransitionLaw};
@@ -71,9 +71,7 @@ impl Derivation<'_> {
 
     /// Lists by how much the inputs of squaring networks and logarithms are within their range.
     fn margins(&mut self) {
-        let mut registers: Vec<Register> = self.ranged.iter().copied().collect();
-        registers.sort_unstable();
-        for register in registers {
+        for register in &self.ranged {
             if let Op::Maximum(input, least) = self.program.body()[register.index()] {
                 let margin = self.value(input).minus(&self.value(least));
                 self.wiring.system.margins.push(margin);

@@ -10,7 +10,7 @@ mod naming;
 mod operations;
 mod tables;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::{ParameterValue, Program, Register, SignalInfo};
@@ -107,7 +107,7 @@ fn without_laws(program: &Program) -> (Symbol, Wiring) {
     let time = symbols.add(entry("t", SymbolKind::Time, Dimension::TIME), true);
     let tables = tables(program);
     let wiring = Wiring {
-        system: System { symbols, laws: Vec::new(), modes: Vec::new(), tables, margins: Vec::new() },
+        system: System { tables, ..System::without_laws(symbols) },
         states: Vec::new(),
         names: HashMap::new(),
         delayed: Vec::new(),
@@ -131,7 +131,7 @@ struct Derivation<'a> {
     /// For outputs of amplifiers, the register before the limit.
     unlimited: HashMap<Register, Register>,
     /// The inputs of squaring networks and logarithms after the limit of their range.
-    ranged: HashSet<Register>,
+    ranged: BTreeSet<Register>,
     /// The value of each register that was computed.
     values: Vec<Option<Fraction>>,
     /// Number in the name of the last intermediate quantity that was named because it is long.

@@ -1,6 +1,6 @@
 //! The expressions of single operations.
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 use patchcord_core::ir::{Level, Op, Register};
 use patchcord_expr::Function;
@@ -74,7 +74,7 @@ impl Derivation<'_> {
 }
 
 /// The registers that limit the inputs of squaring networks and logarithms to their range.
-pub(crate) fn ranged(operations: &[Op]) -> HashSet<Register> {
+pub(crate) fn ranged(operations: &[Op]) -> BTreeSet<Register> {
     let inputs = operations.iter().filter_map(|op| match op {
         Op::Multiply(a, b) if a == b => Some(*a),
         Op::Call(Function::Ln | Function::Log10, a, _) => match operations[a.index()] {

@@ -28,14 +28,22 @@ pub(super) fn measured(node: &Node, resolve: &dyn Fn(&str) -> f64) -> Measured {
         Expression::Binary(operator, left, right) => {
             operation(*operator, measured(left, resolve), measured(right, resolve))
         }
-        Expression::Call(callee, arguments) => call(*callee, &all(arguments, resolve)),
-        Expression::Apply(name, arguments) => application(name, &all(arguments, resolve)),
+        Expression::Call(callee, arguments) => {
+            all(arguments, resolve).map_or(UNKNOWN, |arguments| call(*callee, &arguments))
+        }
+        Expression::Apply(name, arguments) => {
+            all(arguments, resolve).map_or(UNKNOWN, |arguments| application(name, &arguments))
+        }
     }
 }
 
-/// The values of several nodes.
-fn all(nodes: &[Node], resolve: &dyn Fn(&str) -> f64) -> Vec<Measured> {
-    nodes.iter().map(|node| measured(node, resolve)).collect()
+/// A value that is not known.
+const UNKNOWN: Measured = Measured { value: f64::NAN, size: f64::NAN };
+
+/// The values of several nodes. `None` if one is not known: a step or a maximum of NaN would be a number.
+fn all(nodes: &[Node], resolve: &dyn Fn(&str) -> f64) -> Option<Vec<Measured>> {
+    let values = nodes.iter().map(|node| Some(measured(node, resolve)).filter(|found| !found.value.is_nan()));
+    values.collect()
 }
 
 /// The value of an operation.
@@ -111,7 +119,16 @@ mod tests {
 
     #[test]
     fn unknown_values_are_no_numbers() {
-        for text in ["y = z", "y = delay(x, w)", "y = friction(x)", "y = 2 x + z"] {
+        let terms = ["y = z", "y = delay(x, w)", "y = friction(x)", "y = 2 x + z"];
+        let functions = [
+            "y = step(z)",
+            "y = sign(delay(x, w))",
+            "y = max(z, 0)",
+            "y = min(1, z)",
+            "y = x + dead_zone(z, 1)",
+            "y = limit(friction(x), 0, 1)",
+        ];
+        for text in terms.into_iter().chain(functions) {
             assert!(right(text).value.is_nan(), "{text}");
         }
     }

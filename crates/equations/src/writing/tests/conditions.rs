@@ -22,10 +22,25 @@ fn a_choice_is_written_as_cases() {
 }
 
 #[test]
+fn opposite_steps_have_a_value_of_their_own_at_0() {
+    check(&[
+        ("step(x) - step(-x)", "{1 if x > 0; -1 if x < 0; 0 otherwise}"),
+        ("step(x) + step(-x)", "{2 if x = 0; 1 otherwise}"),
+        ("step(x) - step(x) step(-x)", "{1 if x > 0; 0 otherwise}"),
+        ("step(x) + step(x) step(-x)", "{1 if x > 0; 0 if x < 0; 2 otherwise}"),
+    ]);
+}
+
+#[test]
+fn a_condition_decides_those_that_exclude_it() {
+    check(&[("step(x - w) - step(-x - w)", "{1 if x >= w; -1 if x <= -w; 0 otherwise}")]);
+}
+
+#[test]
 fn a_law_of_time_begins_with_the_earlier_values() {
     check(&[
         ("F step(t - 3)", "{0 if t < 3; F otherwise}"),
-        ("x step(w - t) + y (1 - step(w - t))", "{y if t > w; x otherwise}"),
+        ("x step(w - t) + y (1 - step(w - t))", "{x if t <= w; y otherwise}"),
     ]);
 }
 

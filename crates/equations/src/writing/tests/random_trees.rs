@@ -4,7 +4,8 @@ use patchcord_expr::Dimension;
 use proptest::array::uniform3;
 use proptest::prelude::*;
 
-use super::{Purity, Writer, system};
+use super::{Purity, Writer};
+use crate::derive::System;
 use crate::notation::text;
 use crate::symbolic::{Fraction, SymbolEntry, SymbolKind, Symbols, value};
 use crate::testing::reading::read;
@@ -27,7 +28,7 @@ fn symbols() -> Symbols {
 proptest! {
     #[test]
     fn a_text_has_the_value_of_its_expression(tree in continuous(3), points in uniform3(point())) {
-        let system = system(symbols());
+        let system = System::without_laws(symbols());
         let writer = Writer::with_purity(&system, Purity::All);
         let written = text(&writer.expression(&tree.fraction(), Some(Dimension::NONE)));
         // An equation has at most 2000 bytes.
