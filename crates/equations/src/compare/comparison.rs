@@ -6,6 +6,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_expr::{Equation, split_primes};
 
+use super::corners::are_equal_between_corners;
 use super::delays::with_delay_times;
 use super::expansions::TimeLaws;
 use super::intended::fraction;
@@ -310,9 +311,11 @@ impl<'a> Comparison<'a> {
         found
     }
 
-    /// Whether two expressions are equal at points; see [`equal_at_points`].
+    /// Whether two expressions are equal at points, also between the corners of characteristics; see
+    /// [`equal_at_points`].
     fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
-        equal_at_points(self.point(parameters), sides)
+        let point = self.point(parameters);
+        equal_at_points(point, sides).map(|are_equal| are_equal && are_equal_between_corners(point, sides))
     }
 
     /// A point with these values of the parameters.

@@ -7,6 +7,7 @@
 
 mod comparison;
 mod conditions;
+mod corners;
 mod delays;
 mod expanded;
 mod expansions;

@@ -71,20 +71,26 @@ pub(super) fn points(point: Point<'_>) -> impl Iterator<Item = Point<'_>> {
 
 /// Whether two expressions are equal at all points at which both have a value. `None` if they have one at few points, as
 /// the root of a quantity that is mostly negative. `point` is any of the points.
-pub(super) fn equal_at_points(point: Point<'_>, [first, second]: [&Fraction; 2]) -> Option<bool> {
+pub(super) fn equal_at_points(point: Point<'_>, sides: [&Fraction; 2]) -> Option<bool> {
     let mut compared = 0;
     for point in points(point) {
-        let [one, other] = [first, second].map(|fraction| value(fraction, &point));
-        if !(one.is_finite() && other.is_finite()) {
-            continue;
+        match equal_at(&point, sides) {
+            Some(true) => compared += 1,
+            Some(false) => return Some(false),
+            None => {}
         }
-        let size = term_size(first, &point) + term_size(second, &point);
-        if (one - other).abs() > ROUNDING * size {
-            return Some(false);
-        }
-        compared += 1;
     }
     (compared >= MIN_POINTS).then_some(true)
+}
+
+/// Whether two expressions are equal at a point. `None` if one has no value there.
+pub(super) fn equal_at(values: &dyn Values, [first, second]: [&Fraction; 2]) -> Option<bool> {
+    let [one, other] = [first, second].map(|fraction| value(fraction, values));
+    if !(one.is_finite() && other.is_finite()) {
+        return None;
+    }
+    let size = term_size(first, values) + term_size(second, values);
+    Some((one - other).abs() <= ROUNDING * size)
 }
 
 /// Another value for the parameter with this index.
@@ -94,15 +100,18 @@ pub(crate) fn other_value(present: f64, index: usize) -> f64 {
 }
 
 impl Point<'_> {
-    /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point, so that corners of
-    /// characteristics lie between them.
+    /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point.
     fn variable(&self, symbol: Symbol) -> f64 {
         let share = 2.0 * golden_place(u64::from(self.index) + u64::from(symbol.index)) - 1.0;
-        let volts = share * 10f64.powi(self.index as i32 % 3);
+        share * 10f64.powi(self.index as i32 % 3) * self.volt(symbol)
+    }
+
+    /// The value of one volt of a quantity that varies, or 1 if it has no scale.
+    pub(super) fn volt(&self, symbol: Symbol) -> f64 {
         let name = &self.system.symbols.entry(symbol).name;
         let signal = self.program.signals().iter().find(|signal| signal.name == *name);
         let per_volt = signal.and_then(|signal| signal.per_volt);
-        per_volt.map_or(volts, |index| volts * self.coefficients[index as usize])
+        per_volt.map_or(1.0, |index| self.coefficients[index as usize])
     }
 }
 

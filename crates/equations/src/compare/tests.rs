@@ -5,7 +5,7 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use serde_json::json;
 
-use super::EquationComparer;
+use super::{Agreement, EquationComparer, compare_equations};
 
 #[test]
 fn signals_with_the_name_of_a_parameter_or_of_pi_vary() {
@@ -24,4 +24,46 @@ fn signals_with_the_name_of_a_parameter_or_of_pi_vary() {
     let program = Program::new(&circuit).unwrap();
     let mut comparer = EquationComparer::new(&circuit, &program);
     assert_eq!(comparer.varying_signals(), [true, true, false]);
+}
+
+/// A thermostat: P = limit(K (Ts - T), 0, Pm) is between its limits while T is between 291.25 K and 295 K only.
+/// `factors` are the gains of K Ts and K T.
+fn thermostat([fixed, varying]: [f64; 2]) -> Agreement {
+    let patch = json!({
+        "patchcord": 1,
+        "parameters": {
+            "C": {"value": 20, "unit": "kJ/K"}, "Ts": {"value": 295, "unit": "K"},
+            "K": {"value": 400, "unit": "W/K"}, "Pm": {"value": 1500, "unit": "W"},
+        },
+        "scales": {"T": {"per_volt": 5, "unit": "K"}, "P": {"per_volt": 50, "unit": "W"}},
+        "equations": ["P = limit(K (Ts - T), 0, Pm)"],
+        "elements": {
+            "P1": {"kind": "pot", "in": "-100", "setting": "Ts * K / P / 3000"},
+            "P2": {"kind": "pot", "in": "A1", "setting": "K * T / P / 50"},
+            "B1": {
+                "kind": "summer",
+                "in": {"x1": ["P1", "P2"], "x29": ["P1"], "x49": ["P2"]},
+                "limit": {"lower": 0, "upper": "Pm / P"},
+            },
+            "P3": {"kind": "pot", "in": "B1", "setting": "P / T / C"},
+            "A1": {"kind": "integrator", "in": {"x1": ["P3"]}, "initial": 56.6},
+        },
+        "signals": {"T": {"at": "A1", "scale": "T"}, "P": {"at": "B1", "scale": "P"}},
+        "run": {"for": 1500, "step": 0.1},
+    });
+    let text = patch.to_string().replace("x29", &format!("x{fixed}")).replace("x49", &format!("x{varying}"));
+    let patch = Patch::parse("patch.json", &text).unwrap_or_else(|report| panic!("{report}"));
+    let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    compare_equations(&circuit, &program).remove(0).agreement
+}
+
+/// Far from 295 K, a limiter with wrong gains has the same limits.
+#[test]
+fn characteristics_are_compared_between_their_corners() {
+    assert_eq!(thermostat([29.0, 49.0]), Agreement::Solved);
+    for gains in [[20.0, 39.0], [29.0, 39.0], [29.0, 52.0]] {
+        let found = thermostat(gains);
+        assert!(matches!(found, Agreement::Different { .. }), "{gains:?}: {found:?}");
+    }
 }

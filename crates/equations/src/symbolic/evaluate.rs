@@ -49,6 +49,20 @@ pub(crate) fn is_at_switch(expression: &Fraction, values: &dyn Values) -> bool {
         })
 }
 
+/// The expressions at whose zeros an expression has a corner or jumps: the arguments of its absolute values and steps.
+pub(crate) fn corner_arguments(expression: &Fraction) -> Vec<Fraction> {
+    let mut found = Vec::new();
+    expression.has_factor(&mut |atom| {
+        if let Some(applied) = atom.as_function()
+            && matches!(applied.operation, Operation::Absolute | Operation::Step)
+        {
+            found.push(applied.arguments[0].clone());
+        }
+        false
+    });
+    found
+}
+
 /// An evaluation at a point, with the values of functions that were found so far.
 struct Evaluation<'v> {
     values: &'v dyn Values,
@@ -134,5 +148,22 @@ mod tests {
         let jumps_at = |x: f64| is_at_switch(&read("y + 2 sign(x - 1)"), &Point([x, 5.0, 0.0, 0.0, 0.0]));
         assert!(jumps_at(1.0));
         assert!(!jumps_at(0.9) && !jumps_at(1.1));
+    }
+
+    #[test]
+    fn absolute_values_and_steps_have_corners() {
+        assert!(corner_arguments(&read("x^2 + sin(y)")).is_empty());
+        // max(x, 1) = (x + 1 + |x - 1|) / 2.
+        let cases = [
+            ("y max(x, 1)", &["x - 1"][..]),
+            ("step(y) + abs(x - abs(y + 2))", &["y", "y + 2", "x - abs(y + 2)"][..]),
+        ];
+        for (expression, expected) in cases {
+            let found = corner_arguments(&read(expression));
+            assert_eq!(found.len(), expected.len(), "{expression}");
+            for argument in expected.iter().map(|argument| read(argument)) {
+                assert!(found.contains(&argument) || found.contains(&argument.negated()), "{argument:?}");
+            }
+        }
     }
 }

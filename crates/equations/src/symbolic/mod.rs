@@ -23,7 +23,7 @@ mod symbol;
 pub(crate) use application::Application;
 pub(crate) use apply::{absolute, call, delay, opaque, root, sign, step, with_reduced_powers};
 pub(crate) use derivative::{derivative, partial_derivative};
-pub(crate) use evaluate::{Values, is_at_switch, term_size, value};
+pub(crate) use evaluate::{Values, corner_arguments, is_at_switch, term_size, value};
 pub(crate) use fraction::Fraction;
 pub(crate) use linear_system::linear_solution;
 pub(crate) use monomial::{Atom, CallOrder, Monomial, Operation};

@@ -1,0 +1,130 @@
+//! Points between the corners of characteristics, for identities that other points do not decide.
+//!
+//! A limiter follows its input between two corners only. If they are near each other, every other point can be beyond
+//! them, and there all limiters with the same limits are equal. So each quantity is varied along a line through a point,
+//! and two expressions are compared between all corners on this line.
+
+use std::collections::BTreeSet;
+
+use super::points::{Point, equal_at, points};
+use crate::symbolic::{Fraction, Symbol, SymbolKind, Values, corner_arguments, term_size, value};
+
+/// Points through which lines lead.
+const LINES: usize = 8;
+/// Corners that are examined at most.
+const MAX_CORNERS: usize = 32;
+/// Volts of the machine at most.
+const FULL_SCALE: f64 = 100.0;
+/// Steps of the search for a zero at most.
+const STEPS: usize = 12;
+/// Value of an expression at its zero, as a share of the size of its terms.
+const ZERO: f64 = 1e-9;
+/// Distance of two corners that may be one, as a share of their place. Settings are often rounded to three digits.
+const ROUNDED: f64 = 2e-3;
+
+/// Whether two expressions are equal between the corners of both. `point` is any of the points.
+pub(super) fn are_equal_between_corners(point: Point<'_>, sides: [&Fraction; 2]) -> bool {
+    let corners: Vec<Fraction> = sides.into_iter().flat_map(corner_arguments).take(MAX_CORNERS).collect();
+    let quantities = quantities(&point, &corners);
+    points(point).take(LINES).all(|point| {
+        quantities.iter().all(|quantity| {
+            let line = Line { point, quantity: *quantity };
+            line.places(&corners).into_iter().all(|place| equal_at(&line.at(place), sides) != Some(false))
+        })
+    })
+}
+
+/// The quantities in expressions that vary continuously.
+fn quantities(point: &Point<'_>, expressions: &[Fraction]) -> BTreeSet<Symbol> {
+    let mut found = BTreeSet::new();
+    for expression in expressions {
+        expression.contains(&mut |symbol| {
+            let kind = point.system.symbols.entry(symbol).kind;
+            if matches!(kind, SymbolKind::Variable | SymbolKind::Time) {
+                found.insert(symbol);
+            }
+            false
+        });
+    }
+    found
+}
+
+/// The line through a point on which one quantity varies.
+#[derive(Clone, Copy)]
+struct Line<'a> {
+    point: Point<'a>,
+    quantity: Symbol,
+}
+
+/// A place on a line.
+struct LinePlace<'a> {
+    line: Line<'a>,
+    /// The value of the quantity that varies.
+    value: f64,
+}
+
+impl<'a> Line<'a> {
+    /// The place with this value of the quantity.
+    fn at(self, value: f64) -> LinePlace<'a> {
+        LinePlace { line: self, value }
+    }
+
+    /// The range of the quantity.
+    fn range(&self) -> [f64; 2] {
+        match self.point.system.symbols.entry(self.quantity).kind {
+            SymbolKind::Time => [0.0, self.point.duration],
+            _ => [-1.0, 1.0].map(|sign| sign * FULL_SCALE * self.point.volt(self.quantity)),
+        }
+    }
+
+    /// A place between every two neighbouring corners, and one on both sides of all.
+    fn places(&self, corners: &[Fraction]) -> Vec<f64> {
+        let [low, high] = self.range();
+        let mut ends: Vec<f64> = corners.iter().filter_map(|corner| self.zero(corner)).collect();
+        ends.retain(|place| (low..=high).contains(place));
+        if ends.is_empty() {
+            return Vec::new();
+        }
+        ends.extend([low, high]);
+        ends.sort_by(f64::total_cmp);
+        let are_apart = |[one, other]: [f64; 2]| other - one > ROUNDED * one.abs().max(other.abs());
+        let intervals = ends.windows(2).map(|pair| [pair[0], pair[1]]).filter(|pair| are_apart(*pair));
+        intervals.map(|[one, other]| one.midpoint(other)).collect()
+    }
+
+    /// The place of a zero of an expression, by secants. `None` if none is found.
+    fn zero(&self, expression: &Fraction) -> Option<f64> {
+        let [mut before, mut place] = self.range();
+        let mut value_before = value(expression, &self.at(before));
+        for _ in 0..STEPS {
+            let here = value(expression, &self.at(place));
+            if here.abs() <= ZERO * term_size(expression, &self.at(place)) {
+                return Some(place);
+            }
+            let next = place - here * (place - before) / (here - value_before);
+            if !next.is_finite() {
+                return None;
+            }
+            (before, value_before, place) = (place, here, next);
+        }
+        None
+    }
+}
+
+impl Values for LinePlace<'_> {
+    fn symbol(&self, symbol: Symbol) -> f64 {
+        if symbol == self.line.quantity { self.value } else { self.line.point.symbol(symbol) }
+    }
+
+    fn table(&self, table: u32, at: f64) -> f64 {
+        self.line.point.table(table, at)
+    }
+
+    fn slope(&self, table: u32, at: f64) -> f64 {
+        self.line.point.slope(table, at)
+    }
+
+    fn delayed(&self, expression: &Fraction, time: f64) -> f64 {
+        self.line.point.delayed(expression, time)
+    }
+}
