@@ -13,7 +13,7 @@ use petgraph::Direction;
 use petgraph::graph::NodeIndex;
 
 use super::macros;
-use super::resolve::Graph;
+use super::resolve::{Graph, read_by_name};
 use super::scope::{Quantities, too_large};
 use crate::document::{
     Code, Diagnostic, Placed, Span, format_distinct, format_number, format_outside, range_violation,
@@ -43,7 +43,7 @@ pub(super) fn check(
     cords: Cords,
     findings: &mut Vec<Diagnostic>,
 ) {
-    let before_integrators = before_integrators(graph, cords);
+    let before_integrators = before_integrators(patch, graph, cords);
     // The graph has the references first, then drives and elements in the order of the document.
     let nodes = graph.node_indices().skip(REFERENCES.len());
     for (index, (name, entry)) in nodes.zip(patch.drives.iter().chain(&patch.elements)) {
@@ -58,13 +58,16 @@ pub(super) fn check(
 
 /// For every element, whether it is a pot that drives an integrator, directly or through other pots.
 ///
-/// The setting of such a pot may be a rate in 1/s. If cords are missing, every pot without a cord counts as well.
-fn before_integrators(graph: &Graph, cords: Cords) -> Vec<bool> {
+/// The setting of such a pot may be a rate in 1/s. A pot whose output nothing uses counts as well, because its cord may be
+/// missing. If cords have faults, every pot without a cord counts.
+fn before_integrators(patch: &Patch, graph: &Graph, cords: Cords) -> Vec<bool> {
     let has_transfer = |index: NodeIndex, transfer| graph[index].kind.transfer == transfer;
+    let (named, outputs) = (read_by_name(patch), macros::outputs(patch));
+    let is_read = |name: &str| named.contains(name) || outputs.contains(name);
     let may_lack_cord = |index: &NodeIndex| {
-        cords == Cords::Incomplete
-            && has_transfer(*index, Transfer::Share)
+        has_transfer(*index, Transfer::Share)
             && graph.neighbors(*index).next().is_none()
+            && (cords == Cords::Incomplete || !is_read(&graph[*index].name))
     };
     let mut drives_integrator = vec![false; graph.node_count()];
     let mut unvisited: Vec<_> = graph.node_indices().filter(may_lack_cord).collect();

@@ -80,6 +80,26 @@ fn a_rate_in_front_of_an_inverter_is_moved_behind_it() {
     assert!(hint.starts_with("a pot that drives an integrator may be set to a rate"), "{hint}");
 }
 
+/// The cord that is missing is the fault, not the unit.
+#[test]
+fn a_pot_whose_output_nothing_uses_may_be_set_to_a_rate() {
+    let codes = |signal: &str| -> Vec<Code> {
+        let patch = PatchBuilder::new("missing cord")
+            .parameter("w", 0.5, "1/s", [0.1, 1.0])
+            .scale("volt", 1.0, "V")
+            .element("P", ElementBuilder::new("pot").cord("in", "A").set("setting", "w"))
+            .element("A", ElementBuilder::new("integrator").cords("x1", ["+100"]))
+            .signal("s", signal, "volt", 1.0);
+        let findings = match Circuit::new(&patch.build().unwrap()) {
+            Ok(circuit) => circuit.warnings().findings,
+            Err(report) => report.findings,
+        };
+        findings.iter().map(|finding| finding.code).collect()
+    };
+    assert_eq!(codes("A"), [Code::UNUSED_ELEMENT]);
+    assert_eq!(codes("P"), [Code::UNIT_MISMATCH]);
+}
+
 #[test]
 fn an_angle_is_no_number_of_volts() {
     let initial = |value: &str| {
