@@ -135,7 +135,8 @@ fn simultaneous() -> Value {
     json!({
         "patchcord": 1,
         "parameters": {
-            "a": {"value": 0.5, "unit": "1"}, "b": {"value": 0.25, "unit": "1"}, "T": {"value": 1, "unit": "s"},
+            "a": {"value": 0.5, "unit": "1"}, "b": {"value": 0.25, "unit": "1"},
+            "T": {"value": 1, "unit": "s"},
         },
         "scales": {
             "u": {"per_volt": 0.05, "unit": "V"}, "e": {"per_volt": 0.04, "unit": "V"},

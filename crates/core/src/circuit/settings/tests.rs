@@ -125,8 +125,9 @@ fn spring_hints(position: &str, divisor: f64) -> Vec<String> {
 fn a_wrong_unit_of_a_scale_is_named_behind_settings_outside_their_range() {
     assert!(spring_hints("mm", 10.0).is_empty());
     // With 1 m per V, the setting of the spring is 400, and that behind the velocity 0.001.
-    let expected = "is the unit of a scale wrong? All settings are within 0 ... 1 if 1 V of the scale position is \
-                    0.001 m in place of 1 m, or if 1 V of the scale velocity is 10000 mm/s in place of 10 mm/s";
+    let expected = "is the unit of a scale wrong? All settings are within 0 ... 1 if 1 V of the scale \
+                    position is 0.001 m in place of 1 m, or if 1 V of the scale velocity is 10000 mm/s in place \
+                    of 10 mm/s";
     assert_eq!(spring_hints("m", 10.0), [expected]);
     // A missing divisor of 10 is no wrong unit.
     let expected = "divide it by 10 and use an input with 10 times the gain, or rescale";
