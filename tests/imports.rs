@@ -59,6 +59,7 @@ const MODULES: [(&str, &[&str]); 7] = [
             "plan",
             "synthesis",
             "scaled",
+            "rescale",
         ],
     ),
     ("analysis", &["format", "parallel", "instruments", "linear", "sweep"]),

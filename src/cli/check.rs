@@ -25,7 +25,7 @@ use patchcord::equations::{
 };
 use patchcord::ir::Program;
 use patchcord::linear::{check_size, growth_warning};
-use patchcord::patch::Instance;
+use patchcord::patch::{Instance, RunPlan};
 use patchcord::solve::{self, BLOCK_SAMPLES, RunError, RunSettings};
 use patchcord::trace::Overload;
 
@@ -47,18 +47,22 @@ pub(super) struct Arguments {
 /// Tables of voltages and scaling, and the static check, follow the summary on request. Overloads at initial condition
 /// do not fail the command.
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let LoadedPatch { circuit, program, mut warnings } = arguments.patch.load()?;
+    let LoadedPatch { circuit, program, mut warnings } = arguments.patch.load_unprinted(RunPlan::clone)?;
     let test = arguments.test.run(&circuit, &program)?;
     let compared = compare_equations(&circuit, &program);
     let fixes = equation_fixes(&circuit, &program, &compared);
     let is_audited = arguments.scaling || arguments.patch.json;
     let gains = if is_audited { audit_scaling(&circuit, &program) } else { Vec::new() };
-    let requested = RequestedChecks { gains, test: test.map(|test| StaticReport::new(test, &fixes)) };
+    let test = test.map(|test| StaticReport::new(&circuit, test, &fixes));
+    let requested = RequestedChecks { gains, test };
     let findings = findings_with_fixes(&circuit, &compared, &fixes);
     let equations = Report::new(&warnings.file, circuit.patch().text(), findings);
     if equations.has_errors() {
-        return Err(unsolved(arguments, &circuit, &requested, equations)?);
+        warnings.findings.extend(equations.findings);
+        let report = Report::new(&warnings.file, circuit.patch().text(), warnings.findings);
+        return Err(unsolved(arguments, &circuit, &program, &requested, report)?);
     }
+    eprint_report(&warnings);
     let mut further = equations.findings;
     let problem = check_problem(&circuit, &program)?;
     further.extend(problem.growth.clone());
@@ -80,21 +84,27 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The failure of a wiring that does not solve its equations. The requested tables are printed before it, or are keys
-/// of its document.
+/// of its document. `report` has the warnings, too.
 ///
 /// # Errors
 /// If standard output cannot be written.
 fn unsolved(
     arguments: &Arguments,
     circuit: &Circuit,
+    program: &Program,
     requested: &RequestedChecks,
     report: Report,
 ) -> Result<Failure, Failure> {
     let failure = Failure::from(Box::new(report));
+    // A machine that cannot be set to initial condition has no voltages. The equations explain more than its error.
+    let voltages = check_problem(circuit, program).map(|problem| problem.voltages).unwrap_or_default();
     if arguments.patch.json {
-        return failure.with_document(&requested.document(circuit));
+        let document = UnsolvedDocument { voltages: &voltages, requested: requested.document(circuit) };
+        return failure.with_document(&document);
     }
-    print(requested.text(arguments.scaling, circuit).trim_start_matches('\n'))?;
+    let is_printed = arguments.voltages && !voltages.is_empty();
+    let table = if is_printed { format!("\n{}", voltage_table(&voltages)) } else { String::new() };
+    print((table + &requested.text(arguments.scaling, circuit)).trim_start_matches('\n'))?;
     Ok(failure)
 }
 
@@ -253,6 +263,15 @@ struct Document<'a> {
     cannot_be_run: Option<RunErrorDocument>,
     equations: Vec<EquationDocument<'a>>,
     overloads: Vec<OverloadDocument<'a>>,
+    voltages: &'a [ElementVoltage],
+    #[serde(flatten)]
+    requested: RequestedDocument<'a>,
+}
+
+/// The keys of a document about a wiring that does not solve its equations. `voltages` is empty if the machine cannot be
+/// set to initial condition.
+#[derive(Serialize)]
+struct UnsolvedDocument<'a> {
     voltages: &'a [ElementVoltage],
     #[serde(flatten)]
     requested: RequestedDocument<'a>,

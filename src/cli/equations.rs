@@ -11,7 +11,7 @@ use patchcord::equations::{Detail, EquationListing};
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// Keep an equation for every element, in volts if it has no signal (default: signals, drives and states)
+    /// Print an equation for every element, in volts if it has no signal (default: only signals, drives and states)
     #[arg(long)]
     all: bool,
     /// Print LaTeX: an `align` environment of the package amsmath, then the modes and tables

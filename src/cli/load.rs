@@ -58,9 +58,21 @@ impl PatchArguments {
     /// # Errors
     /// Those of [`load`](Self::load).
     pub(super) fn load_for(&self, plan: impl FnOnce(&RunPlan) -> RunPlan) -> Result<LoadedPatch, Failure> {
+        let loaded = self.load_unprinted(plan)?;
+        eprint_report(&loaded.warnings);
+        Ok(loaded)
+    }
+
+    /// Like [`load_for`](Self::load_for), without printing: the caller adds further findings to the warnings.
+    ///
+    /// # Errors
+    /// Those of [`load`](Self::load).
+    pub(super) fn load_unprinted(
+        &self,
+        plan: impl FnOnce(&RunPlan) -> RunPlan,
+    ) -> Result<LoadedPatch, Failure> {
         let (circuit, program) = self.read()?;
         let warnings = circuit.warnings_for(&plan(circuit.run_plan()));
-        eprint_report(&warnings);
         Ok(LoadedPatch { circuit, program, warnings })
     }
 

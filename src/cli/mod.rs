@@ -56,6 +56,7 @@ mod readings;
 mod recording;
 mod replay;
 mod requested_checks;
+mod rescale;
 mod run;
 mod run_report;
 mod scale;
@@ -104,7 +105,7 @@ struct Arguments {
 enum Command {
     /// Write an annotated first patch as a starting point
     New(new::Arguments),
-    /// Make a patch from equations: scales, gains, pots and wiring
+    /// Make a patch from equations: scales, gains, pots and wiring. Or rescale a patch
     Scale(scale::Arguments),
     /// Check a patch and report all errors at once
     Check(check::Arguments),

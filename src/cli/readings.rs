@@ -31,7 +31,7 @@ pub(super) fn readings_text(trace: &Trace) -> String {
         table.row(line(reading, largest[reading.signal.as_str()]));
     }
     if runs < 2 {
-        table.drop_first();
+        table.drop_column(0);
     }
     let omitted = runs - shown.min(runs);
     let more = if omitted > 0 { format!("and {omitted} more runs: see --json\n") } else { String::new() };
@@ -53,7 +53,7 @@ fn sensitivities_text(trace: &Trace, runs: usize) -> String {
         ]);
     }
     if trace.repetitions.len() < 2 {
-        table.drop_first();
+        table.drop_column(0);
     }
     let text = table.text();
     if text.is_empty() { text } else { format!("\n{text}") }

@@ -4,7 +4,7 @@
 //! Without `--out` nothing is written, so that a student can compare scales before there is a patch.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -13,12 +13,14 @@ use super::failure::{Failure, eprint_report};
 use super::files::{path_text, path_texts, quoted};
 use super::numbers::positive_in;
 use super::outputs::Outputs;
+use super::rescale::{Request, is_patch, rescale};
 use super::standard_streams::check_input;
 use super::table::Table;
 use super::{print, print_json};
-use patchcord::document::{DiagnosticDocument, DocumentError, escape_controls, plural};
+use patchcord::document::{DiagnosticDocument, escape_controls, plural, read_text, unit_suffix};
 use patchcord::equations::{
-    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledDrive, ScaledProblem, ScaledQuantity,
+    scale_problem,
 };
 use patchcord::expr::format_significant;
 use patchcord::machines::{self, MachineModel};
@@ -26,21 +28,24 @@ use patchcord::patch::Problem;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Problem (JSON): parameters, quantities and equations; see docs/problem-format.md
+    /// Problem file (JSON) with parameters, quantities and equations; docs/problem-format.md describes it. Or a patch,
+    /// which is rescaled until its outputs peak between 50 and 95 V, with the same names
     problem: PathBuf,
     /// Write the patch to this file
     #[arg(long, value_name = "PATCH.json")]
     out: Option<PathBuf>,
-    /// Make the patch for this machine, with its gains
+    /// Make the patch for this machine, with its gains, such as solartron-1451; `patchcord machines` lists them
     #[arg(long, value_name = "NAME", value_parser = machine)]
     machine: Option<&'static MachineModel>,
-    /// Machine seconds per problem second (default: 1, or such that the fastest oscillation has 1 Hz)
+    /// Machine seconds per problem second (default: 1 if all gains are then usable, otherwise a round number with which
+    /// the fastest oscillation has about 1 Hz). For a patch: new machine seconds per present one; only the time scale
+    /// then changes
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = positive_in("1"))]
     time: Option<f64>,
     /// Represent each stated maximum by 100 V, also if its peak is below 50 V
     #[arg(long)]
     keep_maxima: bool,
-    /// Also print the gain rule in numbers for every input
+    /// Also print the gain rule in numbers for every input: coefficient * input scale / output scale = gain * pot
     #[arg(long)]
     steps: bool,
     /// Print one JSON document on standard output, and nothing else there
@@ -59,7 +64,13 @@ fn machine(name: &str) -> Result<&'static MachineModel, String> {
 /// The scales are chosen before anything is written, so a problem without a circuit leaves no file.
 pub(super) fn scale(arguments: &Arguments) -> Result<(), Failure> {
     check_input(&arguments.problem)?;
-    let problem = Problem::read(&arguments.problem).map_err(unreadable)?;
+    let text = read_text(&arguments.problem)?;
+    if is_patch(&text) {
+        return rescale(&arguments.rescaling(&text, &arguments.refused()));
+    }
+    let folder = arguments.problem.parent().unwrap_or(Path::new(""));
+    let problem = Problem::parse_in(folder, &arguments.problem.display().to_string(), &text)
+        .map_err(Failure::problem)?;
     let outputs = Outputs::default().reading("the problem", [&arguments.problem]);
     outputs.prepare(None, &arguments.out)?;
     let scaled = scale_problem(&problem, &arguments.options()).map_err(failure)?;
@@ -82,12 +93,30 @@ impl Arguments {
         ScaleOptions { machine, time_scale: self.time, keeps_maxima: self.keep_maxima }
     }
 
+    /// The options that a patch does not have.
+    fn refused(&self) -> Vec<&'static str> {
+        let given = [("--machine", self.machine.is_some()), ("--keep-maxima", self.keep_maxima)];
+        given.into_iter().filter(|(_, is_given)| *is_given).map(|(option, _)| option).collect()
+    }
+
+    /// The options for a patch with this text. The gain rule is always printed for a patch.
+    fn rescaling<'a>(&'a self, text: &'a str, refused: &'a [&'a str]) -> Request<'a> {
+        Request {
+            file: &self.problem,
+            text,
+            out: self.out.as_ref(),
+            time: self.time,
+            json: self.json,
+            refused,
+        }
+    }
+
     /// The printed result.
     fn text(&self, problem: &Problem, scaled: &ScaledProblem) -> String {
         let title = problem.patch.title.trim();
         let title = if title.is_empty() { escape_controls(problem.patch.file()) } else { title.to_owned() };
         let mut text = format!("{title}\n\n");
-        text += &scaling_table(&scaled.quantities);
+        text += &scaling_table(scaled);
         text += &format!("\n{}", equation_lines(&scaled.quantities, scaled.time_scale));
         text += &format!("\n{}", peak_lines(&scaled.peaks));
         for range in &scaled.narrowed_ranges {
@@ -95,7 +124,7 @@ impl Arguments {
         }
         if self.steps {
             let lines: String = scaled.steps.iter().map(|step| format!("  {step}\n")).collect();
-            text += &format!("\ngain rule: coefficient x input scale / output scale = gain x pot\n{lines}");
+            text += &format!("\ngain rule: coefficient * input scale / output scale = gain * pot\n{lines}");
         }
         text += &match &self.out {
             Some(file) => format!(
@@ -110,14 +139,6 @@ impl Arguments {
     }
 }
 
-/// The failure for a problem that cannot be read.
-fn unreadable(error: DocumentError) -> Failure {
-    match error {
-        DocumentError::Text(report) => Failure::problem(report),
-        other => other.into(),
-    }
-}
-
 /// The failure for a problem that cannot be scaled.
 fn failure(error: ScaleError) -> Failure {
     match error {
@@ -129,35 +150,38 @@ fn failure(error: ScaleError) -> Failure {
 /// Significant digits of values in the tables.
 const DIGITS: usize = 4;
 
-/// The scaling table: a row for each quantity.
-fn scaling_table(quantities: &[ScaledQuantity]) -> String {
+/// The scaling table: a row for each quantity and each drive. If the problem states no maximum, the column of the
+/// expected ones is left out.
+fn scaling_table(scaled: &ScaledProblem) -> String {
     let number = |value: f64| format_significant(value, DIGITS);
+    let row = |name: &str, expected: Option<f64>, [maximum, per_volt, peak]: [f64; 3], unit: &str| {
+        let expected = expected.map_or(String::new(), number);
+        let scale = number(per_volt) + &unit_suffix(unit);
+        [name.to_owned(), expected, number(maximum), unit.to_owned(), scale, format!("{peak:.1}")]
+    };
     let mut table = Table::new(["quantity", "expected", "maximum", "unit", "1 V is", "peak in V"]);
-    for quantity in quantities {
-        table.row([
-            quantity.name.clone(),
-            quantity.expected_maximum.map_or(String::new(), number),
-            number(quantity.maximum),
-            quantity.unit.clone(),
-            number(quantity.per_volt),
-            format!("{:.1}", quantity.peak),
-        ]);
+    for ScaledQuantity { name, unit, expected_maximum, maximum, per_volt, peak, .. } in &scaled.quantities {
+        table.row(row(name, *expected_maximum, [*maximum, *per_volt, *peak], unit));
+    }
+    for ScaledDrive { name, unit, maximum, per_volt, peak, .. } in &scaled.drives {
+        table.row(row(name, None, [*maximum, *per_volt, *peak], unit));
+    }
+    if scaled.quantities.iter().all(|quantity| quantity.expected_maximum.is_none()) {
+        table.drop_column(1);
     }
     table.text()
 }
 
-/// The scaled equations.
+/// The scaled equations. The heading distinguishes `[x]'`, a derivative, from `[x']`, a voltage.
 fn equation_lines(quantities: &[ScaledQuantity], time_scale: f64) -> String {
-    let mut text = "scaled equations, [x] in volts".to_owned();
     let factor = format_significant(time_scale, DIGITS);
-    // Writing to a string cannot fail.
-    let _ = match time_scale == 1.0 {
-        true => writeln!(text, ":"),
-        false => {
-            writeln!(text, ", derivatives in machine time ({factor} machine seconds per problem second):")
-        }
+    let time = match time_scale == 1.0 {
+        true => "V/s".to_owned(),
+        false => format!("V per machine second, with {factor} of them per problem second"),
     };
+    let mut text = format!("scaled equations; [x] is the voltage of x, and [x]' its derivative in {time}:\n");
     for quantity in quantities {
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "  {}", quantity.scaled_equation);
     }
     text
@@ -183,6 +207,7 @@ struct Document<'a> {
     diagnostics: Vec<DiagnosticDocument>,
     time_scale: f64,
     quantities: &'a [ScaledQuantity],
+    drives: &'a [ScaledDrive],
     peaks: &'a [OutputPeak],
     narrowed_ranges: &'a [NarrowedRange],
     steps: &'a [String],
@@ -200,6 +225,7 @@ impl<'a> Document<'a> {
             diagnostics: scaled.warnings.documents(),
             time_scale: scaled.time_scale,
             quantities: &scaled.quantities,
+            drives: &scaled.drives,
             peaks: &scaled.peaks,
             narrowed_ranges: &scaled.narrowed_ranges,
             steps: &scaled.steps,

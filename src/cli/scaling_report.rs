@@ -6,6 +6,10 @@ use serde::Serialize;
 use super::table::{Table, decimals};
 use patchcord::circuit::Circuit;
 use patchcord::equations::{AuditedGain, GainDecision};
+use patchcord::expr::format_significant;
+
+/// Significant digits of a block gain, whose size depends on its unit.
+const BLOCK_DIGITS: usize = 6;
 
 /// The table of amplitude scaling, and the reasons for rows about which nothing decides.
 ///
@@ -18,7 +22,7 @@ pub(super) fn scaling_text(circuit: &Circuit, gains: &[AuditedGain]) -> String {
         "computer gain",
         "block gain",
         "unit",
-        "block",
+        "block formula",
         "required gain",
         "difference",
         "decided by",
@@ -31,7 +35,7 @@ pub(super) fn scaling_text(circuit: &Circuit, gains: &[AuditedGain]) -> String {
             row.input.clone(),
             row.output.clone(),
             decimals(row.computer_gain, 6),
-            format!("{:.6e}", row.block_gain),
+            format_significant(row.block_gain, BLOCK_DIGITS),
             row.unit.clone(),
             block(gain),
             gain.required_gain().map(|gain| decimals(gain, 6)).unwrap_or_default(),

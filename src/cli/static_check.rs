@@ -18,8 +18,8 @@ use patchcord::ir::Program;
 #[derive(Args)]
 pub(super) struct TestArguments {
     /// Static check: compare every output and derivative with the equations at a test value, such as x=0.5,
-    /// "x'=3 mm/s" or A1=20, at random values (random), or at the initial condition (initial). May be given several
-    /// times
+    /// "x'=3 mm/s" or A1=20, at random values (random), or at the initial condition (initial). A number without a unit
+    /// is in the unit of the signal, and in volts for an element. May be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = test_argument)]
     test: Vec<TestArgument>,
     /// Seed of the random test values (default: 1)
@@ -103,13 +103,15 @@ pub(super) struct StaticReport {
     check: StaticCheck,
     /// The correction as a command. `None` if nothing differs.
     correction: Option<String>,
+    /// Machine seconds per problem second.
+    time_scale: f64,
 }
 
 impl StaticReport {
-    /// The report of a check. `fixes` are the changes that correct the wiring.
-    pub(super) fn new(check: StaticCheck, fixes: &[Fix]) -> Self {
+    /// The report of a check of a circuit. `fixes` are the changes that correct the wiring.
+    pub(super) fn new(circuit: &Circuit, check: StaticCheck, fixes: &[Fix]) -> Self {
         let correction = check.likely_correction(fixes);
-        StaticReport { check, correction }
+        StaticReport { check, correction, time_scale: circuit.time_scale() }
     }
 
     /// Number of rows that differ.
@@ -129,9 +131,19 @@ impl StaticReport {
         let is_output = |row: &&StaticRow| row.order == 0;
         let outputs = table("output", self.check.rows.iter().filter(is_output));
         let derivatives = table("derivative", self.check.rows.iter().filter(|row| row.order > 0));
-        let note = if derivatives.is_empty() { "" } else { "\nderivatives in V/s of machine time:\n" };
+        let between = if derivatives.is_empty() { String::new() } else { self.derivative_heading() };
         let heading = format!("static check at {}:\n", self.values_text());
-        format!("{heading}{outputs}{note}{derivatives}{}", self.conclusion())
+        format!("{heading}{outputs}{between}{derivatives}{}", self.conclusion())
+    }
+
+    /// The heading of the derivatives. It relates the two times, because quantities are in problem time.
+    fn derivative_heading(&self) -> String {
+        let factor = format_significant(self.time_scale, DIGITS);
+        let times = match self.time_scale == 1.0 {
+            true => String::new(),
+            false => format!(" ({factor} machine seconds per problem second)"),
+        };
+        format!("\nderivatives in V/s of machine time{times}:\n")
     }
 
     /// The test values: "x = 0.5 mm, v = 3 mm/s".
@@ -162,7 +174,8 @@ impl StaticReport {
         };
         let count = plural(self.difference_count() as u64, "difference");
         text += &format!("{count}, the first at {}", row_name(first));
-        text += &if first.note.is_empty() { "\n".to_owned() } else { format!(" ({})\n", first.note) };
+        let note = short_note(&first.note);
+        text += &if note.is_empty() { "\n".to_owned() } else { format!(" ({note})\n") };
         if let Some(correction) = &self.correction {
             text += &format!("most likely correction: {correction}\n");
         }
@@ -203,6 +216,19 @@ impl StaticReport {
 /// Significant digits of a quantity.
 const DIGITS: usize = 6;
 
+/// The longest note in a table, in characters. Longer ones would make the table wider than most terminals.
+const NOTE_LENGTH: usize = 40;
+
+/// The first clause of a note, which usually states what the output computes. If it is too long, its end is left out.
+fn short_note(note: &str) -> String {
+    let clause = note.split_once("; ").map_or(note, |(clause, _)| clause);
+    if clause.chars().count() <= NOTE_LENGTH {
+        return clause.to_owned();
+    }
+    let start: String = clause.chars().take(NOTE_LENGTH - 1).collect();
+    start.trim_end().to_owned() + "…"
+}
+
 /// The name of a row: that of its element, with a prime for each derivative.
 fn row_name(row: &StaticRow) -> String {
     row.element.clone() + &"'".repeat(row.order)
@@ -224,7 +250,7 @@ fn table<'a>(heading: &str, rows: impl Iterator<Item = &'a StaticRow>) -> String
             quantity.map(|quantity| in_unit(quantity.wired)).unwrap_or_default(),
             quantity.map(|quantity| quantity.unit.clone()).unwrap_or_default(),
             remark(row),
-            row.note.clone(),
+            short_note(&row.note),
         ]);
     }
     table.text()
@@ -234,7 +260,10 @@ fn table<'a>(heading: &str, rows: impl Iterator<Item = &'a StaticRow>) -> String
 fn remark(row: &StaticRow) -> String {
     let difference = row.differs.then_some("DIFFERENT");
     let overload = row.is_overloaded.then_some("overload");
-    let not_compared = row.not_compared.as_ref().map(|reason| format!("not compared: {reason}"));
+    // An overload of the row itself is stated already.
+    let is_own = |reason: &&String| row.is_overloaded && **reason == format!("{} is overloaded", row.element);
+    let reason = row.not_compared.as_ref().filter(|reason| !is_own(reason));
+    let not_compared = reason.map(|reason| format!("not compared: {reason}"));
     let parts = [difference, overload, not_compared.as_deref(), source(row.source)];
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

@@ -29,9 +29,9 @@ impl Table {
         self.rows.push(cells.into());
     }
 
-    /// Removes the first column.
-    pub(super) fn drop_first(&mut self) {
-        self.rows.iter_mut().for_each(|row| drop(row.remove(0)));
+    /// Removes the column with this index, which is 0 for the first one.
+    pub(super) fn drop_column(&mut self, index: usize) {
+        self.rows.iter_mut().for_each(|row| drop(row.remove(index)));
     }
 
     /// The table as text; empty if it has no rows.

@@ -20,6 +20,7 @@ mod pictures;
 mod profile;
 mod readme;
 mod replay;
+mod rescale;
 mod run;
 mod run_errors;
 mod scale_documents;

@@ -50,6 +50,7 @@ fn the_section_about_scaling_has_the_outputs_of_its_commands() {
     let page = fs::read_to_string("README.md").unwrap();
     let (before, rest) = page.split_once(SCALING).unwrap();
     let (section, after) = rest.split_once("\n## ").unwrap();
+    assert!(before.lines().count() < 80, "the section is on the first screens");
     let folder = folder_with_problems();
     let fresh = refreshed(section, folder.path());
     let equations = printed("equations mass.json", folder.path());

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::{code, errors, json, patchcord, path};
+use super::{code, errors, json, out, patchcord, path};
 
 #[test]
 fn a_machine_with_too_few_parts_gives_a_warning_and_a_patch() {
@@ -39,4 +39,35 @@ fn a_prescribed_scale_that_is_too_small_is_at_its_number() {
     assert_eq!((finding["line"].as_u64(), finding["column"].as_u64()), (Some(3), Some(65)));
     assert_eq!(finding["message"], "the scale of x is prescribed as 0.1 mm per volt, but x reaches 500 V");
     assert_eq!(finding["hint"], "let 1 V represent at least 0.6 mm");
+}
+
+/// 5 V of a drive are 83.3 V of the machine with 0.06 V per volt.
+#[test]
+fn the_scaling_table_has_drives_and_units_of_scales() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "filter.json");
+    let text = |maximum: &str| {
+        format!(
+            r#"{{"patchcord": 1, "parameters": {{"T": {{"value": 1, "unit": "s"}}}},
+  "quantities": {{"x": {{"unit": "V", "initial": 0{maximum}}}}},
+  "drives": {{"u": {{"kind": "step", "unit": "V", "height": 5, "at": 1}}}},
+  "equations": ["T x' = u - x"], "run": {{"for": 10, "step": 0.01}}}}"#
+        )
+    };
+    fs::write(&file, text("")).unwrap();
+    let scaled = out(&patchcord(&["scale", &file]));
+    let row = |text: &str, name: &str| {
+        let line = text.lines().find(|line| line.split_whitespace().next() == Some(name));
+        line.unwrap_or_else(|| panic!("{text}")).split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(row(&scaled, "quantity").join(" "), "quantity maximum unit 1 V is peak in V", "{scaled}");
+    assert_eq!(row(&scaled, "u").join(" "), "u 5 V 0.06 V 83.3", "{scaled}");
+    assert!(scaled.contains("[x] is the voltage of x, and [x]' its derivative in V/s:\n"), "{scaled}");
+    let drive = &json(&patchcord(&["scale", &file, "--json"]))["drives"][0];
+    assert_eq!((&drive["name"], &drive["unit"]), (&"u".into(), &"V".into()));
+    assert_eq!(drive["per_volt"], 0.06);
+    fs::write(&file, text(", \"maximum\": 6")).unwrap();
+    let stated = out(&patchcord(&["scale", &file]));
+    assert_eq!(row(&stated, "quantity")[..3], ["quantity", "expected", "maximum"], "{stated}");
+    assert_eq!(row(&stated, "x")[..3], ["x", "6", "4.999"], "{stated}");
 }

@@ -143,6 +143,44 @@ fn an_overload_at_test_values_is_marked() {
     assert!(row("A1")["not_compared"].is_null());
 }
 
+/// The amplifier A2 of x is overloaded itself, and the rows behind it are not compared.
+#[test]
+fn an_overloaded_row_names_its_overload_once() {
+    let text = out(&patchcord(&["check", SPRING, "--test", "x=200"]));
+    let own = text.lines().find(|line| line.starts_with("A2 ")).unwrap_or_else(|| panic!("{text}"));
+    assert!(own.contains("overload, test value") && !own.contains("not compared"), "{text}");
+    assert!(line(&text, "B1").contains(&"compared:"), "{text}");
+}
+
+/// The first patch has notes with several clauses.
+#[test]
+fn a_table_has_the_first_clause_of_a_note() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "spring.json");
+    assert_eq!(code(&patchcord(&["new", &file])), 0);
+    let text = out(&patchcord(&["check", &file, "--test", "x=20"]));
+    assert_eq!(line(&text, "A1").last(), Some(&"velocity"), "{text}");
+    assert_eq!(line(&text, "P2").last(), Some(&"damping"), "{text}");
+    let long = text.lines().find(|line| line.starts_with("A2 ")).unwrap_or_else(|| panic!("{text}"));
+    assert!(long.ends_with("position with the opposite sign, becaus…"), "{text}");
+    let document = json(&patchcord(&["check", &file, "--test", "x=20", "--json"]));
+    let rows = document["static_check"]["rows"].as_array().unwrap();
+    let note = rows.iter().find(|row| row["element"] == "P2").map(|row| &row["note"]);
+    assert_eq!(note, Some(&"damping; divided by 10 for the same reason".into()));
+}
+
+/// Derivatives of voltages are in machine time, and those of quantities in problem time.
+#[test]
+fn the_heading_of_derivatives_relates_the_two_times() {
+    let heading = |patch: &str| {
+        let text = out(&patchcord(&["check", patch, "--test", "initial"]));
+        text.lines().find(|line| line.starts_with("derivatives in")).map(str::to_owned)
+    };
+    assert_eq!(heading(SPRING).as_deref(), Some("derivatives in V/s of machine time:"));
+    let slow = "derivatives in V/s of machine time (0.1 machine seconds per problem second):";
+    assert_eq!(heading("patches/lessons/van-der-pol.json").as_deref(), Some(slow));
+}
+
 /// The Lorenz equations have pure numbers, and -1e-7 V is rounded to 0 V.
 #[test]
 fn pure_numbers_have_no_unit_and_0_has_no_sign() {
@@ -175,6 +213,29 @@ fn derivatives_are_printed_with_the_voltages() {
     let entry = |name: &str| voltages.iter().find(|entry| entry["element"] == name).unwrap();
     assert!((entry("A1")["rate"].as_f64().unwrap() + 320.0).abs() < 1e-9);
     assert!(entry("B1")["rate"].is_null() && document["static_check"].is_null());
+}
+
+/// A velocity scale in m/s in place of mm/s: the wiring does not solve an equation, and a scale has a warning.
+#[test]
+fn a_wrong_patch_has_its_voltages_and_warnings_too() {
+    let wrong_unit = "crates/equations/tests/patches/traps/g6c.json";
+    let checked = patchcord(&["check", wrong_unit, "--voltages"]);
+    assert_eq!(code(&checked), 1);
+    // 50 V through P1 = 40 x 1e-3 / 10 / 10 into x10 of A1.
+    let text = out(&checked);
+    assert_eq!(line(&text, "A1"), ["A1", "integrator", "0.0000", "-0.2000"]);
+    assert_eq!(line(&text, "B1"), ["B1", "summer", "50.0000"]);
+    let report = errors(&checked);
+    assert!(report.ends_with("g6c.json: 1 error, 1 warning\n"), "{report}");
+    assert_eq!(report.matches("warning[scale-mismatch]").count(), 1, "{report}");
+
+    let document = json(&patchcord(&["check", wrong_unit, "--json"]));
+    let codes: Vec<_> =
+        document["diagnostics"].as_array().unwrap().iter().map(|finding| &finding["code"]).collect();
+    assert_eq!(codes, ["equation-not-solved", "scale-mismatch"]);
+    let voltages = document["voltages"].as_array().unwrap();
+    let rate = voltages.iter().find(|entry| entry["element"] == "A1").unwrap()["rate"].as_f64().unwrap();
+    assert!((rate + 0.2).abs() < 1e-9, "{rate}");
 }
 
 #[test]

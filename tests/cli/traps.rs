@@ -41,6 +41,51 @@ fn every_code_of_the_linear_analysis_has_a_trap() {
     }
 }
 
+/// The traps of the comparison with equations.
+const STATED: &str = "crates/equations/tests/patches/traps";
+
+/// The drive has 5 rad/s or 47.7465 rpm, and the mass on its spring has 5 rad/s. So the amplitude rises to
+/// F / (c w) = 400 mm. With 5 Hz it would stay below 12 mm.
+#[test]
+fn a_frequency_in_rad_per_s_or_rpm_is_not_taken_for_hertz() {
+    for trap in ["a2", "a4"] {
+        let document = json(&patchcord(&["run", &format!("{STATED}/{trap}.json"), "--json"]));
+        let reading = &document["readings"][0];
+        assert_eq!((&reading["signal"], &reading["unit"]), (&"x".into(), &"mm".into()));
+        let most = reading["most"]["value"].as_f64().unwrap();
+        assert!((most - 400.0).abs() < 1.0, "{trap}: {most}");
+    }
+}
+
+/// The wiring is right, so the equations agree. The scales are wrong.
+#[test]
+fn a_patch_that_solves_its_equations_and_clips_gets_a_warning_and_lamps() {
+    let file = format!("{STATED}/lv3.json");
+    let checked = patchcord(&["check", &file]);
+    assert!(out(&checked).contains("the wiring solves its 2 equations\n"), "{}", out(&checked));
+    assert!(
+        errors(&checked).starts_with("warning[initial-at-limit]: A2 begins at 100 V"),
+        "{}",
+        errors(&checked)
+    );
+    let text = out(&patchcord(&["run", &file]));
+    assert!(text.contains("\noverload: A2") && text.contains("\noverload: A1"), "{text}");
+    assert!(text.contains("let 1 V of pred at A2 represent 2 times as much"), "{text}");
+}
+
+#[test]
+fn growth_that_is_declared_or_stated_is_no_trap() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = r#""run": {"for": 3"#;
+    let with = |key: &str| {
+        let file = changed(&folder, "growing-loop", &[(run, &format!("{key}, {run}"))]);
+        errors(&patchcord(&["check", &file]))
+    };
+    assert_eq!(with(r#""positive_feedback": true"#), "");
+    assert_eq!(with(r#""equations": "m x'' = k x""#), "");
+    assert!(with(r#""positive_feedback": false"#).starts_with("warning[growing-loop]: "));
+}
+
 /// A trap with these replacements, in a new file.
 fn changed(folder: &tempfile::TempDir, stem: &str, replacements: &[(&str, &str)]) -> String {
     let text = fs::read_to_string(repository_path(&format!("{FOLDER}/{stem}.json"))).unwrap();

@@ -33,6 +33,7 @@ mod operating_point;
 mod peaks;
 mod plan;
 mod positions;
+mod rescale;
 mod scaled;
 mod scaling_audit;
 mod static_check;
@@ -53,8 +54,12 @@ pub use notation::{
     Comparison, Condition, EquationDocument, LINE_WIDTH, Notation, Relation, WrittenEquation, document,
     equation_latex, equation_text, latex, text,
 };
+pub use rescale::{
+    ChangedSetting, RescaleError, RescaleOptions, RescaledOutput, RescaledPatch, RescaledScale, rescale_patch,
+};
 pub use scaled::{
-    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledProblem, ScaledQuantity, scale_problem,
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledDrive, ScaledProblem, ScaledQuantity,
+    scale_problem,
 };
 pub use scaling_audit::{AuditedGain, GainDecision, audit_scaling};
 pub use static_check::{

@@ -15,8 +15,7 @@ use patchcord_expr::split_primes;
 
 use crate::derive::System;
 use crate::graph::ConstantValues;
-use crate::notation::primed;
-use crate::notation::text;
+use crate::notation::{primed, text};
 use crate::static_check::stated::{Alias, Stated, aliases};
 use crate::symbolic::{Fraction, partial_derivative};
 use crate::writing::Writer;
@@ -129,11 +128,13 @@ enum Factor {
 
 /// The stated equations of a circuit, each solved for a quantity.
 struct Audit<'a> {
+    /// The circuit.
     circuit: &'a Circuit,
     /// The values of parameters.
     constants: ConstantValues,
     /// The names that equations give to derivatives.
     aliases: Vec<Alias<'a>>,
+    /// The solved equations.
     equations: SolvedEquations,
 }
 

@@ -170,6 +170,47 @@ fn factors_of_terms_are_named() {
     assert_eq!(difference(&extra[0]).0, ["the term -sigma x is not in the equation"]);
 }
 
+#[test]
+fn a_time_scale_that_no_pot_contains_is_named() {
+    let mut spring = patch("lessons/mass-and-spring", &["m x'' = -k x", "v = x'"]);
+    spring["time_scale"] = json!(10);
+    let found = agreements(&spring);
+    let acceleration = ["the term -(k/m) x is 100 times too large, by the time scale"];
+    assert_eq!(difference(&found[0]).0, acceleration);
+    assert_eq!(difference(&found[1]).0, ["the term v is 10 times too large, by the time scale"]);
+}
+
+#[test]
+fn differences_from_the_law_of_a_drive_are_named() {
+    let agreement = |equation: &str| agreements(&patch("lessons/driven-oscillator", &[equation])).remove(0);
+    let wrong = agreement("m x'' = 2 F sin(2 pi f t) - k x - d x'");
+    let (differences, wired) = difference(&wrong);
+    assert_eq!(differences, ["the term (2 F/m) sin(2 pi f t) is 2 times too small"]);
+    assert!(wired.contains("(F/m) sin(2 pi f t)"), "{wired}");
+    let wrong = agreement("push = 2 F sin(2 pi f t)");
+    let sides = "in the wiring, the left side is push and the right side is 2 F sin(2 pi f t)";
+    assert_eq!(difference(&wrong).0, [sides]);
+}
+
+/// The frequencies of the traps are in rad/s and in rpm. A drive converts both to cycles per second.
+#[test]
+fn a_drive_has_the_angular_frequency_of_its_parameter() {
+    for trap in ["a2", "a4"] {
+        let text = fs::read_to_string(format!("tests/patches/traps/{trap}.json")).unwrap();
+        let mut driven: Value = serde_json::from_str(&text).unwrap();
+        let mut agreement = |equation: &str| {
+            driven["equations"] = json!([equation]);
+            agreements(&driven).remove(0)
+        };
+        for right in ["push = F sin(w t)", "m x'' = F sin(w t) - k x - c x'"] {
+            assert_eq!(agreement(right), Agreement::Solved, "{trap}: {right}");
+        }
+        for wrong in ["push = F sin(2 pi w t)", "m x'' = F sin(2 pi w t) - k x - c x'"] {
+            assert!(matches!(agreement(wrong), Agreement::Different { .. }), "{trap}: {wrong}");
+        }
+    }
+}
+
 /// u is the output of a comparator: F if x < 0, otherwise -F.
 #[test]
 fn signs_and_steps_agree_with_comparators() {

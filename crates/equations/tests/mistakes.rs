@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
-use patchcord_equations::{compare_equations, equation_findings, find_fixes};
+use patchcord_equations::{Agreement, compare_equations, equation_findings, find_fixes, findings_with_fixes};
 use serde_json::{Value, json};
 
 use crate::files::repository_path;
@@ -161,6 +161,7 @@ fn wrong_scales() -> Vec<Mistake> {
         one("initial value", hares, "elements/A2/initial", lynxes, first_lynxes),
         one("initial value", lorenz, "elements/A3/initial", json!("y0 / profile"), first_profile),
         one("scale", spring, "scales/velocity/per_volt", json!(20), first_velocity),
+        one("time scale", spring, "time_scale", json!(10), "set time_scale to 1"),
         one("unit", driven, "scales/velocity/unit", velocity, "give the scale velocity the unit mm/s"),
         one("unit", phases, "scales/volt/unit", volt, "give the scale volt the unit V"),
         one("unit", slide, "scales/position/unit", length, "give the scale position the unit m"),
@@ -183,6 +184,17 @@ fn correct_patch(name: &str) -> Patch {
     patch.with_edits(patch.file(), &[Edit::at(["equations"], json!(equations))]).unwrap()
 }
 
+/// All mistakes.
+fn mistakes() -> Vec<Mistake> {
+    [wrong_cords(), wrong_coefficients(), wrong_scales()].concat()
+}
+
+/// A correct patch with a mistake.
+fn wrong_patch(correct: &Patch, mistake: &Mistake) -> Patch {
+    let edits: Vec<Edit> = mistake.wrong.iter().map(|(path, value)| Edit::new(path, value.clone())).collect();
+    correct.with_edits(correct.file(), &edits).unwrap()
+}
+
 /// The changes that are found for a wrong patch, the likeliest first.
 fn changes(patch: &Patch) -> Vec<String> {
     let (circuit, program) = compiled(patch);
@@ -192,24 +204,54 @@ fn changes(patch: &Patch) -> Vec<String> {
 
 #[test]
 fn the_first_change_corrects_every_kind_of_mistake() {
-    let mistakes = [wrong_cords(), wrong_coefficients(), wrong_scales()].concat();
+    let mistakes = mistakes();
     let kinds: HashSet<&str> = mistakes.iter().map(|mistake| mistake.kind).collect();
-    assert_eq!((kinds.len(), mistakes.len()), (9, 36));
+    assert_eq!((kinds.len(), mistakes.len()), (10, 37));
     let (mut examined, mut failures) = (HashSet::new(), Vec::new());
-    for Mistake { kind, patch: name, wrong, first } in mistakes {
-        let patch = correct_patch(name);
-        if examined.insert(name) {
+    for mistake in mistakes {
+        let patch = correct_patch(mistake.patch);
+        if examined.insert(mistake.patch) {
             let (circuit, program) = compiled(&patch);
             let findings = equation_findings(&circuit, &program, &compare_equations(&circuit, &program));
-            assert!(findings.is_empty(), "{name}: {}", findings[0].message);
+            assert!(findings.is_empty(), "{}: {}", mistake.patch, findings[0].message);
         }
-        let edits: Vec<Edit> = wrong.iter().map(|(path, value)| Edit::new(path, value.clone())).collect();
-        let found = changes(&patch.with_edits(patch.file(), &edits).unwrap());
+        let found = changes(&wrong_patch(&patch, &mistake));
+        let Mistake { kind, patch: name, wrong, first } = mistake;
         if found.first() != Some(&first) {
             failures.push(format!("{kind} in {name}, {wrong:?}:\n  expected {first}\n  found {found:?}"));
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// The number of changes that a diagnostic lists.
+fn listed_changes(advice: &str) -> usize {
+    advice.split_once("corrects it: ").map_or(0, |(_, changes)| changes.split("; or ").count())
+}
+
+#[test]
+fn every_listed_change_corrects_its_equations_and_keeps_the_others() {
+    let mut most_listed = 0;
+    for mistake in mistakes() {
+        let wrong = wrong_patch(&correct_patch(mistake.patch), &mistake);
+        let (circuit, program) = compiled(&wrong);
+        let before = compare_equations(&circuit, &program);
+        let fixes = find_fixes(&circuit, &program, &before);
+        let findings = findings_with_fixes(&circuit, &before, &fixes);
+        let listed = findings.iter().map(|finding| listed_changes(finding.advice()));
+        most_listed = listed.fold(most_listed, usize::max);
+        for fix in &fixes {
+            let (circuit, program) = compiled(&wrong.with_edits(wrong.file(), &fix.edits).unwrap());
+            let after = compare_equations(&circuit, &program);
+            let kept = before.iter().filter(|compared| compared.agreement.is_solved());
+            for index in kept.map(|compared| compared.index).chain(fix.solves.iter().copied()) {
+                let agreement = &after[index].agreement;
+                let is_solved = agreement.is_solved() || matches!(agreement, Agreement::SolvedAt(_));
+                assert!(is_solved, "{}, {}: {agreement:?}", mistake.patch, fix.description);
+            }
+        }
+    }
+    assert_eq!(most_listed, 3);
 }
 
 /// The changes that are found for a patch with one wrong value.

@@ -126,6 +126,61 @@ fn a_coefficient_of_0_can_be_changed_in_its_range() {
 }
 
 #[test]
+fn signs_and_steps_of_parameters_follow_them() {
+    let with = |value: &str, c: &str| {
+        scaled(&format!(
+            r#""parameters": {{"c": {{"value": {c}, "unit": "1", "range": [0, 1]}}}},
+            "quantities": {{"x": {{"unit": "1", "initial": 1}}}}, "equations": ["x' = -x + {value}"]"#
+        ))
+    };
+    // With a constant a in place of the sign or the step, x is a + (1 - a) exp(-t).
+    let expected = |a: f64| a + (1.0 - a) * decayed();
+    let sign = with("0.5 sign(c)", "0");
+    assert_last(&sign, &[], "x", expected(0.0));
+    assert_last(&sign, &[("c", 0.7)], "x", expected(0.5));
+    let step = with("step(c - 0.5)", "0.7");
+    assert_last(&step, &[], "x", expected(1.0));
+    assert_last(&step, &[("c", 0.5)], "x", expected(1.0));
+    assert_last(&step, &[("c", 0.2)], "x", expected(0.0));
+}
+
+#[test]
+fn functions_of_a_coefficient_that_is_0_at_present_follow_it() {
+    let with = |equations: &str| {
+        scaled(&format!(
+            r#""parameters": {{"a": {{"value": 0, "unit": "1", "range": [0, 1]}}}},
+            "quantities": {{"x": {{"unit": "1", "initial": 1}}, "y": {{"unit": "1"}}}}, "equations": [{equations}]"#
+        ))
+    };
+    let x = decayed();
+    let cases: [(&str, &dyn Fn(f64) -> f64); 4] = [
+        ("exp(a x)", &|a| (a * x).exp()),
+        ("x^a", &|a| x.powf(a)),
+        ("tanh(a x)", &|a| (a * x).tanh()),
+        ("ln(1 + a x)", &|a| (a * x).ln_1p()),
+    ];
+    for (value, expected) in cases {
+        let patch = with(&format!(r#""x' = -x", "y = {value}""#));
+        for a in [0.0, 0.2] {
+            assert_last(&patch, &[("a", a)], "y", expected(a));
+        }
+    }
+    // The scale of the logarithm is within its limits, although its peak is 0.
+    assert_last(&with(r#""x' = -x + ln(1 + a x)", "y = 2 x""#), &[], "x", x);
+}
+
+#[test]
+fn the_sign_of_a_product_with_a_parameter_that_is_0_is_0() {
+    let patch = scaled(
+        r#""parameters": {"a": {"value": 0, "unit": "1", "range": [0, 1]}},
+        "quantities": {"x": {"unit": "1", "initial": 1}, "y": {"unit": "1", "initial": 0}},
+        "equations": ["x' = -x", "y' = sign(a x)"]"#,
+    );
+    assert_last(&patch, &[], "y", 0.0);
+    assert_last(&patch, &[("a", 0.5)], "y", 1.0);
+}
+
+#[test]
 fn a_constant_mass_matrix_is_inverted() {
     let patch = scaled(
         r#""parameters": {"m": {"value": 1, "unit": "1", "range": [0.8, 1.2]}},

@@ -1,11 +1,15 @@
 //! Problems are scaled to patches whose wiring solves the equations of the problem.
 
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Patch, Problem};
 use patchcord_equations::{Agreement, ScaleOptions, compare_equations, scale_problem};
 use serde_json::Value;
 
+use crate::files::{json_files_in, repository_path};
 use crate::problem_files::{problem_file, problem_files};
 use crate::scale::scaled;
 
@@ -20,12 +24,57 @@ fn agreements(patch: &Patch) -> Option<Vec<(String, Agreement)>> {
     Some(compared.collect())
 }
 
+/// The name of a file without its ending.
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap().to_string_lossy().into_owned()
+}
+
+/// Well-known systems, in addition to those of the lessons.
+const WELL_KNOWN: [&str; 12] = [
+    "chua",
+    "coupled-pendulums",
+    "duffing",
+    "heat-30",
+    "hindmarsh-rose",
+    "kepler",
+    "mathieu",
+    "pid-anti-windup",
+    "quarter-car",
+    "roessler",
+    "sir",
+    "slideway",
+];
+
+#[test]
+fn the_lessons_and_well_known_systems_are_among_the_problems() {
+    let problems: HashSet<String> = problem_files().iter().map(|path| stem(path)).collect();
+    let lessons: Vec<PathBuf> = json_files_in(&repository_path("patches/lessons"));
+    assert!(lessons.len() >= 13, "{lessons:?}");
+    let required = lessons.iter().map(|path| stem(path)).chain(WELL_KNOWN.map(str::to_owned));
+    let missing: Vec<String> = required.filter(|name| !problems.contains(name)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+/// The equations of a problem that a patch does not state. Those with a table are left out, because only a problem has
+/// tables.
+fn unstated(problem: &Path, stated: &HashSet<&str>) -> Vec<String> {
+    let problem = Problem::read(problem).unwrap_or_else(|error| panic!("{error}"));
+    let has_table =
+        |equation: &str| problem.tables.keys().any(|table| equation.contains(&format!("{table}(")));
+    let equations = problem.patch.equations.iter().map(|placed| placed.value.text());
+    let unstated = equations.filter(|equation| !has_table(equation) && !stated.contains(equation));
+    unstated.map(str::to_owned).collect()
+}
+
 #[test]
 fn the_patch_of_every_problem_solves_its_equations() {
     let (mut problem_count, mut equation_count, mut numerical_count) = (0, 0, 0);
     for path in problem_files() {
-        let problem = path.file_stem().unwrap().to_string_lossy();
-        for (equation, agreement) in agreements(&scaled(&path).patch).unwrap() {
+        let problem = stem(&path);
+        let compared = agreements(&scaled(&path).patch).unwrap();
+        let stated: HashSet<&str> = compared.iter().map(|(equation, _)| equation.as_str()).collect();
+        assert_eq!(unstated(&path, &stated), Vec::<String>::new(), "{problem}");
+        for (equation, agreement) in &compared {
             assert!(agreement.is_solved(), "{problem}: {equation}: {agreement:?}");
             equation_count += 1;
             numerical_count += usize::from(matches!(agreement, Agreement::SolvedNumerically(_)));

@@ -12,6 +12,7 @@ use patchcord_expr::Unit;
 use serde_json::Value;
 
 use crate::problem_files::{problem_file, problem_files, reference};
+use crate::rod::rod;
 
 /// Largest difference from SciPy, as a share of the peak.
 const TOLERANCE: f64 = 1e-6;
@@ -85,30 +86,11 @@ fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// A rod of cells, heated at one end, in equal cells: T_i' = a (T_(i-1) - 2 T_i + T_(i+1)).
-fn rod(cells: usize) -> Problem {
-    let quantities: Vec<String> =
-        (1..=cells).map(|cell| format!(r#""T{cell}": {{"unit": "K", "initial": 0}}"#)).collect();
-    let left = |cell: usize| if cell == 1 { "T_hot".to_owned() } else { format!("T{}", cell - 1) };
-    let right = |cell: usize| if cell == cells { "0".to_owned() } else { format!("T{}", cell + 1) };
-    let equation = |cell: usize| format!("\"T{cell}' = a ({} - 2 T{cell} + {})\"", left(cell), right(cell));
-    let equations: Vec<String> = (1..=cells).map(equation).collect();
-    let text = format!(
-        r#"{{"patchcord": 1,
-  "parameters": {{"a": {{"value": 2, "unit": "1/s"}}, "T_hot": {{"value": 80, "unit": "K"}}}},
-  "quantities": {{{}}},
-  "equations": [{}],
-  "run": {{"for": 20000, "step": 0.2, "every": 10000}}
-}}"#,
-        quantities.join(", "),
-        equations.join(", ")
-    );
-    Problem::parse("rod.json", &text).unwrap_or_else(|report| panic!("{report}"))
-}
-
 #[test]
 fn a_rod_of_100_cells_reaches_its_straight_profile() {
-    let scaled = scale_problem(&rod(100), &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let scaled =
+        scale_problem(&rod(100, r#"{"for": 20000, "step": 0.2, "every": 10000}"#), &ScaleOptions::default())
+            .unwrap_or_else(|error| panic!("{error}"));
     assert!(scaled.peaks.iter().all(|peak| (50.0..=95.0).contains(&peak.volts)));
     let trace = trace(&scaled);
     for cell in 1..=100_u32 {
@@ -150,6 +132,27 @@ fn the_sign_of_a_limiter_at_0_is_0() {
     let quantities = r#""x": {"unit": "1", "initial": -1}, "y": {"unit": "1", "initial": 0}"#;
     let (_, last) = last_value(quantities, r#""x' = 1", "y' = sign(max(x, 0))""#, "y");
     assert!((last - 1.0).abs() < 1e-9, "{last}");
+}
+
+#[test]
+fn the_sign_of_a_sum_that_stays_at_0_is_0() {
+    // x rises from -1 to 1. The sums are 0 below 0, above 0, and above -0.3.
+    let quantities = r#""x": {"unit": "1", "initial": -1}, "y": {"unit": "1", "initial": 0}"#;
+    let cases = [("x + abs(x)", 1.0), ("x - max(x, 0)", -1.0), ("x - limit(x, -0.3, 1)", -0.7)];
+    for (argument, expected) in cases {
+        let equations = format!(r#""x' = 1", "y' = sign({argument})""#);
+        let (_, last) = last_value(quantities, &equations, "y");
+        assert!((last - expected).abs() < 1e-9, "{argument}: {last}");
+    }
+}
+
+#[test]
+fn the_far_end_of_a_long_rod_is_0_in_a_short_run() {
+    let problem = rod(400, r#"{"for": 20, "step": 0.2}"#);
+    let scaled = scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let far = scaled.quantities.iter().find(|quantity| quantity.name == "T400").unwrap();
+    assert!(far.per_volt > 1e-70 && far.peak < 1e-9, "{far:?}");
+    assert!(scaled.peaks.iter().all(|peak| peak.volts <= 95.0));
 }
 
 #[test]

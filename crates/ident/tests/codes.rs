@@ -75,9 +75,9 @@ fn diagnostics_page() -> String {
          the number of the others; `--json` gives all of them. In a file of data the first ten faults are reported, \
          and the rest of the file is not read.\n\n\
          Every code has bad patches in `crates/core/tests/patches/bad`, `crates/equations/tests/patches/bad` or \
-         `tests/traps`, or bad experiments in `crates/ident/tests/bad`. They are named after the code, and the expected \
-         report is next to each. Errors \
-         that keep a run from beginning or stop it have separate codes: \
+         `tests/traps`, bad problems in `crates/equations/tests/problems`, or bad experiments in \
+         `crates/ident/tests/bad`. They are named after the code or the fault, and the expected report is next to each. \
+         Errors that keep a run from beginning or stop it have separate codes: \
          [patch-format.md](patch-format.md#the-recorded-table) lists them.\n\n\
          | code | severity | meaning | what to do |\n|---|---|---|---|\n{rows}\n\
          This page is written by `PATCHCORD_BLESS=1 cargo test -p patchcord-ident codes`.\n"

@@ -136,7 +136,7 @@ impl Code {
         BAD_NAME "bad-name" Error "A name cannot be used in a cord or a formula."
             "choose another name";
         UNKNOWN_UNIT "unknown-unit" Error "The text is not a unit."
-            "docs/patch-format.md lists the units";
+            "docs/patch-format.md lists the units; a pure number, such as a count, has the unit \"1\"";
         UNIT_MISMATCH "unit-mismatch" Error "The units do not agree."
             "multiply or divide by parameters and scales until both sides have the same unit";
         BAD_FORMULA "bad-formula" Error "A formula has a syntax error or cannot be evaluated."

@@ -108,6 +108,11 @@ impl<'a> Comparison<'a> {
         // enough here.
         match (&found, &expanded) {
             (_, Ok(Outcome::Solved)) | (Ok(Outcome::NoValue) | Err(_), Ok(_)) => expanded,
+            (Ok(named), Ok(by_laws))
+                if equation.names().contains(&"t") && shows_more_clearly(by_laws, named) =>
+            {
+                expanded
+            }
             _ => found,
         }
     }
@@ -342,5 +347,15 @@ impl<'a> Comparison<'a> {
             });
         }
         Outcome::SolvedAt(names.into_iter().collect())
+    }
+}
+
+/// Whether an outcome with the laws of drives shows a difference more clearly than one with their names. The equation
+/// writes out laws of time, so the name of a drive is an extra term, and a law is a missing one.
+fn shows_more_clearly(by_laws: &Outcome, named: &Outcome) -> bool {
+    match (by_laws, named) {
+        (Outcome::Terms { terms: fewer, .. }, Outcome::Terms { terms, .. }) => fewer.len() < terms.len(),
+        (Outcome::Sides(..), Outcome::Sides(..)) => true,
+        _ => false,
     }
 }

@@ -28,17 +28,7 @@ pub(crate) fn fraction(
                 Operator::Power => call(patchcord_expr::Function::Power, &left, &right),
             }
         }
-        Expression::Call(callee, arguments) => {
-            let arguments = all(arguments, resolve)?;
-            match (callee, arguments.as_slice()) {
-                (Callee::Absolute, [argument]) => absolute(argument),
-                (Callee::Minimum, [first, second]) => first.minimum(second),
-                (Callee::Maximum, [first, second]) => first.maximum(second),
-                (Callee::Function(function), [argument]) => call(*function, argument, argument),
-                (Callee::Function(function), [first, second]) => call(*function, first, second),
-                _ => Fraction::zero(),
-            }
-        }
+        Expression::Call(callee, arguments) => called(*callee, &all(arguments, resolve)?),
         Expression::Apply(name, arguments) => {
             let arguments = all(arguments, resolve)?;
             applied(name, &arguments).ok_or_else(|| Obstacle::Unknown(name.clone()))?
@@ -54,8 +44,20 @@ fn all(
     nodes.iter().map(|node| fraction(node, resolve)).collect()
 }
 
+/// A function that formulas have, too.
+pub(crate) fn called(callee: Callee, arguments: &[Fraction]) -> Fraction {
+    match (callee, arguments) {
+        (Callee::Absolute, [argument]) => absolute(argument),
+        (Callee::Minimum, [first, second]) => first.minimum(second),
+        (Callee::Maximum, [first, second]) => first.maximum(second),
+        (Callee::Function(function), [argument]) => call(function, argument, argument),
+        (Callee::Function(function), [first, second]) => call(function, first, second),
+        _ => Fraction::zero(),
+    }
+}
+
 /// A function that only equations have. `None` for a table.
-fn applied(name: &str, arguments: &[Fraction]) -> Option<Fraction> {
+pub(crate) fn applied(name: &str, arguments: &[Fraction]) -> Option<Fraction> {
     Some(match (EquationFunction::from_name(name)?, arguments) {
         (EquationFunction::Sign, [x]) => step(x).minus(&step(&x.negated())),
         (EquationFunction::Step, [x]) => step(x),

@@ -5,10 +5,12 @@ use serde_json::{Value, json};
 
 /// Significant digits of a changed number. Fewer than those of f64, so that 0.1 x 3 is 0.3.
 const DIGITS: usize = 12;
+/// Significant digits of a number that must be precise.
+const PRECISE_DIGITS: usize = 14;
 
 /// A value of the document as a product: a number, or a formula split into its factors.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Product {
+pub(crate) struct Product {
     /// Whether the product has a minus sign.
     is_negative: bool,
     factors: Vec<Factor>,
@@ -36,10 +38,10 @@ enum Content {
 }
 
 impl Content {
-    /// A number.
-    fn number(value: f64) -> Self {
-        let value = round_significant(value, DIGITS);
-        Content::Number(value, format_significant(value, DIGITS))
+    /// A number with this number of digits.
+    fn number(value: f64, digits: usize) -> Self {
+        let value = round_significant(value, digits);
+        Content::Number(value, format_significant(value, digits))
     }
 
     /// The factor as it is written.
@@ -52,7 +54,7 @@ impl Content {
 
 impl Product {
     /// The product that a value of the document is. `None` if it is neither a number nor a formula.
-    pub(super) fn new(value: &Value) -> Option<Self> {
+    pub(crate) fn new(value: &Value) -> Option<Self> {
         let mut product = Product { is_negative: false, factors: Vec::new(), is_number: value.is_number() };
         if let Some(number) = value.as_f64() {
             product.is_negative = number < 0.0;
@@ -106,7 +108,7 @@ impl Product {
     }
 
     /// The value for the document: a number, or the text of the formula.
-    pub(super) fn value(&self) -> Value {
+    pub(crate) fn value(&self) -> Value {
         if let ([Factor { content: Content::Number(number, _), divides: false }], true) =
             (self.factors.as_slice(), self.is_number)
         {
@@ -136,6 +138,16 @@ impl Product {
     /// The product times a positive number. A number of the formula changes if there is one: first a divisor, because
     /// `k / 100` times 10 is `k / 10`.
     pub(super) fn times(&self, factor: f64) -> Self {
+        self.times_rounded(factor, DIGITS)
+    }
+
+    /// The product times a positive number, as by [`Product::times`], with more digits.
+    pub(crate) fn times_precisely(&self, factor: f64) -> Self {
+        self.times_rounded(factor, PRECISE_DIGITS)
+    }
+
+    /// The product times a positive number that is rounded to this number of digits.
+    fn times_rounded(&self, factor: f64, digits: usize) -> Self {
         let mut product = self.clone();
         let numbers = product.factors.iter().enumerate().rev();
         let number = |(index, own): (usize, &Factor)| match &own.content {
@@ -147,17 +159,17 @@ impl Product {
         match divisor.or(numbers.first()).copied() {
             Some((index, value, divides)) => {
                 let changed = if divides { value / factor } else { value * factor };
-                product.factors[index].content = Content::number(changed);
+                product.factors[index].content = Content::number(changed, digits);
             }
-            None if factor < 1.0 => product.push(Content::number(1.0 / factor), true),
-            None => product.push(Content::number(factor), false),
+            None if factor < 1.0 => product.push(Content::number(1.0 / factor, digits), true),
+            None => product.push(Content::number(factor, digits), false),
         }
         product.tidy();
         product
     }
 
     /// The product times or over a name. A factor of the same name on the other side of the fraction is removed.
-    pub(super) fn times_name(&self, name: &str, divides: bool) -> Self {
+    pub(crate) fn times_name(&self, name: &str, divides: bool) -> Self {
         let mut product = self.clone();
         let opposite = product.factors.iter().position(|factor| {
             factor.divides != divides && matches!(&factor.content, Content::Name(text, _) if text == name)
@@ -293,6 +305,9 @@ mod tests {
         }
         assert_eq!(Product::new(&json!(0.3)).unwrap().times(0.1).value(), json!(0.03));
         assert_eq!(Product::new(&json!(-5)).unwrap().times(10.0).value(), json!(-50));
+        let third = Product::new(&json!(10)).unwrap();
+        assert_eq!(third.times(1.0 / 3.0).value(), json!(3.333_333_333_33));
+        assert_eq!(third.times_precisely(1.0 / 3.0).value(), json!(3.333_333_333_333_3));
     }
 
     #[test]

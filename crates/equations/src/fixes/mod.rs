@@ -20,6 +20,7 @@ use patchcord_core::patch::Edit;
 use crate::compare::{Agreement, ComparedEquation, EquationComparer, Standing};
 use candidates::{Candidate, candidates};
 use change::Change;
+pub(crate) use formula::Product;
 use influence::Influence;
 use netlist::Rewiring;
 use panel::Panel;

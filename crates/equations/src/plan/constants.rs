@@ -118,8 +118,7 @@ impl Constants {
 
     /// Whether a constant contains a parameter.
     pub(super) fn has_parameters(&self, constant: &Fraction) -> bool {
-        let kind = |symbol| self.system.symbols.entry(symbol).kind;
-        constant.contains(&mut |symbol| matches!(kind(symbol), SymbolKind::Parameter(_)))
+        constant.contains(&mut |symbol| self.system.symbols.is_parameter(symbol))
     }
 
     /// Whether a constant is positive: at present, and for all permitted values of the parameters as far as its form

@@ -44,7 +44,7 @@ impl Draft<'_> {
     pub(super) fn finished(mut self) -> Result<Plan, Vec<Diagnostic>> {
         let roots: Vec<NodeId> = self.quantities.iter().map(|(_, node)| *node).collect();
         let mut entries = std::mem::take(&mut self.entries);
-        split_signs(&mut entries, self.problem);
+        split_signs(&mut entries, self.problem, self.constants);
         let joined = simplified(entries, &roots).map_err(|node| vec![self.circular(node)])?;
         let angles = self.placed_angles(&joined);
         let equations = self.equations.iter();

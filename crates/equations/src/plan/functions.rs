@@ -6,6 +6,7 @@ use patchcord_expr::{Callee, EquationFunction, FormulaError, Function, Node};
 
 use super::builder::Builder;
 use super::expressions::{Reader, fault};
+use crate::compare::intended::{applied, called};
 use crate::graph::{FunctionKind, NodeId, ONE, Operation, Sum, Term};
 use crate::symbolic::{Fraction, absolute};
 
@@ -26,7 +27,10 @@ impl Reader<'_, '_> {
         if let (Callee::Function(Function::Power), [base, exponent]) = (callee, arguments) {
             return self.power(node, base, exponent);
         }
-        let forms = self.varying(node, arguments)?;
+        let forms = self.forms(arguments)?;
+        if let Some(constants) = all_constant(&forms) {
+            return Ok(Sum::constant(&called(callee, &constants)));
+        }
         let builder = &mut *self.builder;
         match (callee, forms.as_slice()) {
             (Callee::Absolute, [argument]) => Ok(builder.absolute(argument)),
@@ -53,7 +57,11 @@ impl Reader<'_, '_> {
         if let Some(value) = self.builder.constants.expression(node) {
             return Ok(Sum::constant(&value));
         }
-        let forms = self.varying(node, arguments)?;
+        let forms = self.forms(arguments)?;
+        if let Some(constants) = all_constant(&forms) {
+            let value = applied(name, &constants).ok_or_else(|| self.constant_table(node))?;
+            return Ok(Sum::constant(&value));
+        }
         match (EquationFunction::from_name(name), forms.as_slice()) {
             (Some(EquationFunction::Sign), [argument]) => Ok(Sum::node(self.builder.switch(argument, -1))),
             (Some(EquationFunction::Step), [argument]) => Ok(Sum::node(self.builder.switch(argument, 0))),
@@ -71,17 +79,15 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// The arguments of a function, at least one of which must vary.
-    fn varying(&mut self, node: &Node, arguments: &[Node]) -> Result<Vec<Sum>, FormulaError> {
-        let mut forms = Vec::with_capacity(arguments.len());
-        for argument in arguments {
-            forms.push(self.form(argument)?);
-        }
-        if forms.iter().all(|form| form.as_constant().is_some()) {
-            let message = format!("{} does not vary", self.excerpt(node));
-            return Err(fault(node.range.clone(), message, "write its value as a parameter".to_owned()));
-        }
-        Ok(forms)
+    /// The arguments of a function as sums of nodes.
+    fn forms(&mut self, arguments: &[Node]) -> Result<Vec<Sum>, FormulaError> {
+        arguments.iter().map(|argument| self.form(argument)).collect()
+    }
+
+    /// The fault of a table with a constant argument. A formula of a setting contains no table.
+    fn constant_table(&self, node: &Node) -> FormulaError {
+        let message = format!("{} does not vary", self.excerpt(node));
+        fault(node.range.clone(), message, "write its value as a parameter".to_owned())
     }
 
     /// The delay of a sum. The initial value follows when all equations have been read.
@@ -129,6 +135,11 @@ impl Reader<'_, '_> {
     }
 }
 
+/// The values of sums that are all constant, as those of `x - x` and `0 x` are. `None` if one of them varies.
+fn all_constant(forms: &[Sum]) -> Option<Vec<Fraction>> {
+    forms.iter().map(Sum::as_constant).collect()
+}
+
 impl Builder<'_> {
     /// A function of one varying pure number. `None` if no element computes it.
     fn function(&mut self, function: Function, argument: &Sum) -> Option<Sum> {
@@ -155,8 +166,21 @@ impl Builder<'_> {
 
     /// A function that a function generator computes.
     pub(super) fn generated(&mut self, kind: FunctionKind, argument: &Sum) -> Sum {
-        let argument = self.factored(argument);
+        let argument = match kind {
+            FunctionKind::Sin | FunctionKind::Cos => self.factored(argument),
+            FunctionKind::Exp | FunctionKind::Ln => self.nonzero_term(argument),
+        };
         Sum::node(self.add(Operation::Function { kind, argument }))
+    }
+
+    /// A varying sum as a constant times a node. A constant that is 0 at present stays in the node. A pot can follow it, and
+    /// the settings of an exponential cannot, because they contain its reciprocal.
+    pub(super) fn nonzero_term(&mut self, sum: &Sum) -> Term {
+        let term = self.factored(sum);
+        if self.constants.value(&term.coefficient) != 0.0 {
+            return term;
+        }
+        Term { coefficient: Fraction::whole(1), node: self.node_of(sum) }
     }
 
     /// The absolute value of a varying sum. The size of a constant factor is taken out.

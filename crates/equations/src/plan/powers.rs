@@ -47,8 +47,8 @@ impl Reader<'_, '_> {
     }
 
     /// The exponent, which must be constant.
-    fn constant_exponent(&self, base: &Node, exponent: &Node) -> Result<Fraction, FormulaError> {
-        self.builder.constants.expression(exponent).ok_or_else(|| {
+    fn constant_exponent(&mut self, base: &Node, exponent: &Node) -> Result<Fraction, FormulaError> {
+        self.form(exponent)?.as_constant().ok_or_else(|| {
             let [base, power] = [base, exponent].map(|node| self.excerpt(node));
             let message = format!("the exponent {power} varies, and no element computes such a power");
             fault(exponent.range.clone(), message, format!("write exp({power} * ln({base}))"))
@@ -119,7 +119,7 @@ impl Builder<'_> {
     fn general_power(&mut self, base: &Sum, exponent: &Fraction) -> Sum {
         let argument = self.factored(base);
         let logarithm = self.add(Operation::Function { kind: FunctionKind::Ln, argument });
-        let argument = Term { coefficient: exponent.clone(), node: logarithm };
+        let argument = self.nonzero_term(&Sum::term(exponent, logarithm));
         let power = Operation::Function { kind: FunctionKind::Exp, argument };
         Sum::node(self.add_as(power, |builder, _| builder.power_notation(base, exponent)))
     }

@@ -13,15 +13,15 @@ use crate::symbolic::{Fraction, nearest, root};
 /// The largest exponent of the unknown.
 const MOST_DEGREE: usize = 4;
 
-/// A polynomial in the unknown: the factors of its powers, from the exponent 0 on. The last one is not 0.
-type Polynomial = Vec<Sum>;
+/// A polynomial in the unknown: the coefficients of its powers, from the exponent 0 on. The last one is not 0.
+type Coefficients = Vec<Sum>;
 
 /// A rational function of the unknown.
-struct Rational {
+struct RationalFunction {
     /// The numerator.
-    top: Polynomial,
+    top: Coefficients,
     /// The denominator.
-    bottom: Polynomial,
+    bottom: Coefficients,
 }
 
 impl Reader<'_, '_> {
@@ -45,8 +45,8 @@ impl Reader<'_, '_> {
     }
 
     /// An expression as a rational function of an unknown. `None` if it is none, or its degree is too large.
-    fn rational(&mut self, node: &Node, unknown: &str) -> Result<Option<Rational>, FormulaError> {
-        let whole = |top: Polynomial| Rational { top, bottom: vec![one()] };
+    fn rational(&mut self, node: &Node, unknown: &str) -> Result<Option<RationalFunction>, FormulaError> {
+        let whole = |top: Coefficients| RationalFunction { top, bottom: vec![one()] };
         if !contains(node, unknown) {
             return Ok(Some(whole(trimmed(vec![self.form(node)?]))));
         }
@@ -68,8 +68,12 @@ impl Reader<'_, '_> {
     }
 
     /// A sum of rational functions.
-    fn rational_terms(&mut self, node: &Node, unknown: &str) -> Result<Option<Rational>, FormulaError> {
-        let mut sum = Rational { top: Vec::new(), bottom: vec![one()] };
+    fn rational_terms(
+        &mut self,
+        node: &Node,
+        unknown: &str,
+    ) -> Result<Option<RationalFunction>, FormulaError> {
+        let mut sum = RationalFunction { top: Vec::new(), bottom: vec![one()] };
         for (is_negative, term) in terms(node) {
             let Some(term) = self.rational(term, unknown)? else { return Ok(None) };
             let Some(next) = self.builder.rational_sum(&sum, &term, is_negative) else { return Ok(None) };
@@ -79,10 +83,14 @@ impl Reader<'_, '_> {
     }
 
     /// A product of rational functions.
-    fn rational_factors(&mut self, node: &Node, unknown: &str) -> Result<Option<Rational>, FormulaError> {
+    fn rational_factors(
+        &mut self,
+        node: &Node,
+        unknown: &str,
+    ) -> Result<Option<RationalFunction>, FormulaError> {
         let product = factors(node);
         let sign = Fraction::whole(if product.is_negative { -1 } else { 1 });
-        let mut result = Rational { top: vec![Sum::constant(&sign)], bottom: vec![one()] };
+        let mut result = RationalFunction { top: vec![Sum::constant(&sign)], bottom: vec![one()] };
         for (factor, divides) in &product.factors {
             let Some(factor) = self.rational(factor, unknown)? else { return Ok(None) };
             let factor = if *divides { factor.inverse() } else { factor };
@@ -99,18 +107,23 @@ impl Reader<'_, '_> {
     }
 }
 
-impl Rational {
+impl RationalFunction {
     /// 1 over the function.
-    fn inverse(self) -> Rational {
-        Rational { top: self.bottom, bottom: self.top }
+    fn inverse(self) -> RationalFunction {
+        RationalFunction { top: self.bottom, bottom: self.top }
     }
 }
 
 impl Builder<'_> {
     /// The sum or the difference of two functions. `None` if its degree is too large.
-    fn rational_sum(&mut self, left: &Rational, right: &Rational, is_difference: bool) -> Option<Rational> {
+    fn rational_sum(
+        &mut self,
+        left: &RationalFunction,
+        right: &RationalFunction,
+        is_difference: bool,
+    ) -> Option<RationalFunction> {
         let sign = Fraction::whole(if is_difference { -1 } else { 1 });
-        let add = |one: Polynomial, other: Polynomial| {
+        let add = |one: Coefficients, other: Coefficients| {
             let mut sums = vec![Sum::default(); one.len().max(other.len())];
             for (sum, own) in sums.iter_mut().zip(one) {
                 *sum = own;
@@ -122,24 +135,28 @@ impl Builder<'_> {
         };
         if left.bottom == right.bottom {
             let top = add(left.top.clone(), right.top.clone());
-            return Some(Rational { top, bottom: left.bottom.clone() });
+            return Some(RationalFunction { top, bottom: left.bottom.clone() });
         }
         let first = self.polynomial_product(&left.top, &right.bottom)?;
         let second = self.polynomial_product(&right.top, &left.bottom)?;
         let bottom = self.polynomial_product(&left.bottom, &right.bottom)?;
-        Some(Rational { top: add(first, second), bottom })
+        Some(RationalFunction { top: add(first, second), bottom })
     }
 
     /// The product of two functions. `None` if its degree is too large.
-    fn rational_product(&mut self, left: &Rational, right: &Rational) -> Option<Rational> {
+    fn rational_product(
+        &mut self,
+        left: &RationalFunction,
+        right: &RationalFunction,
+    ) -> Option<RationalFunction> {
         let top = self.polynomial_product(&left.top, &right.top)?;
-        Some(Rational { top, bottom: self.polynomial_product(&left.bottom, &right.bottom)? })
+        Some(RationalFunction { top, bottom: self.polynomial_product(&left.bottom, &right.bottom)? })
     }
 
     /// A whole power of a function. `None` if its degree is too large.
-    fn rational_power(&mut self, base: Rational, exponent: i32) -> Option<Rational> {
+    fn rational_power(&mut self, base: RationalFunction, exponent: i32) -> Option<RationalFunction> {
         let base = if exponent < 0 { base.inverse() } else { base };
-        let mut power = Rational { top: vec![one()], bottom: vec![one()] };
+        let mut power = RationalFunction { top: vec![one()], bottom: vec![one()] };
         for _ in 0..exponent.abs() {
             power = self.rational_product(&power, &base)?;
         }
@@ -147,7 +164,7 @@ impl Builder<'_> {
     }
 
     /// The product of two polynomials. `None` if its degree is too large.
-    fn polynomial_product(&mut self, left: &[Sum], right: &[Sum]) -> Option<Polynomial> {
+    fn polynomial_product(&mut self, left: &[Sum], right: &[Sum]) -> Option<Coefficients> {
         let degree = (left.len() + right.len()).saturating_sub(2);
         if degree > MOST_DEGREE {
             return None;
@@ -216,7 +233,7 @@ fn one() -> Sum {
 }
 
 /// A polynomial without factors of 0 at its end.
-fn trimmed(mut polynomial: Polynomial) -> Polynomial {
+fn trimmed(mut polynomial: Coefficients) -> Coefficients {
     while polynomial.last().is_some_and(|factor| factor.terms.is_empty()) {
         polynomial.pop();
     }

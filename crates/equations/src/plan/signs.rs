@@ -1,14 +1,15 @@
 //! Signs of quantities that can stay at 0.
 //!
 //! A comparator has two outputs, so the sign of f with one comparator is 1 while f is 0. That does not matter if f only
-//! passes 0. A dead zone, a limiter or a step can stay at 0, and then the sign has to be 0, as in a three-point
-//! controller. Such a sign is step(f) - step(-f), from two comparators.
+//! passes 0. A dead zone, a limiter or a step can stay at 0, and so can a sum such as x + |x|, or a x with a parameter a that
+//! is 0. Then the sign has to be 0, as in a three-point controller. Such a sign is step(f) - step(-f), from two comparators.
 
 use patchcord_core::patch::Problem;
 use patchcord_expr::Dimension;
 
 use super::builder::{Entry, NameKind};
-use crate::graph::{NodeId, Operation, Sum};
+use super::constants::Constants;
+use crate::graph::{NodeId, ONE, Operation, Sum};
 use crate::notation::Notation;
 use crate::symbolic::Fraction;
 
@@ -16,13 +17,13 @@ use crate::symbolic::Fraction;
 const CONSTANT_DRIVES: [&str; 4] = ["step", "pulse", "square", "table"];
 
 /// Makes two comparators of each sign whose argument can stay at 0.
-pub(super) fn split_signs(entries: &mut Vec<Entry>, problem: &Problem) {
+pub(super) fn split_signs(entries: &mut Vec<Entry>, problem: &Problem, constants: &Constants) {
     let signs = entries.iter().enumerate().filter_map(|(index, entry)| Some((index, sign_argument(entry)?)));
     let signs: Vec<(usize, NodeId)> = signs.collect();
     if signs.is_empty() {
         return;
     }
-    let rests = resting(entries, problem);
+    let rests = Rests { entries, problem, constants }.of_all();
     for (index, argument) in signs {
         if rests[argument.0 as usize] {
             let [above, below] = comparators(entries, argument);
@@ -75,44 +76,92 @@ fn step(notation: Notation, input: NodeId) -> Entry {
     }
 }
 
-/// For each node, whether it can keep a value for some time while other quantities change.
-fn resting(entries: &[Entry], problem: &Problem) -> Vec<bool> {
-    let mut rests = vec![false; entries.len()];
-    loop {
-        let operations = entries.iter().map(|entry| entry.operation.as_ref());
-        let found = operations.map(|own| own.is_some_and(|operation| can_rest(operation, &rests, problem)));
-        let found: Vec<bool> = found.collect();
-        if found == rests {
-            return rests;
+/// Finds the nodes that can keep a value for some time while other quantities change.
+struct Rests<'a> {
+    /// The nodes.
+    entries: &'a [Entry],
+    /// The problem, for its drives and tables.
+    problem: &'a Problem,
+    /// The constants, for the present values of coefficients.
+    constants: &'a Constants,
+}
+
+impl Rests<'_> {
+    /// For each node, whether it can keep a value for some time.
+    fn of_all(&self) -> Vec<bool> {
+        let mut rests = vec![false; self.entries.len()];
+        loop {
+            let can_rest = |operation: &Operation| self.can_rest(operation, &rests);
+            let operations = self.entries.iter().map(|entry| entry.operation.as_ref());
+            let found: Vec<bool> = operations.map(|operation| operation.is_some_and(can_rest)).collect();
+            if found == rests {
+                return rests;
+            }
+            rests = found;
         }
-        rests = found;
+    }
+
+    /// Whether a node with this operation can keep a value for some time, if that of its inputs is known.
+    fn can_rest(&self, operation: &Operation, rests: &[bool]) -> bool {
+        let of = |node: &NodeId| rests[node.0 as usize];
+        let of_term = |(node, coefficient): (&NodeId, &Fraction)| of(node) || self.is_zero(coefficient);
+        let of_sum = |sum: &Sum| sum.terms.iter().all(of_term) || self.can_cancel(sum);
+        match operation {
+            Operation::One
+            | Operation::Limited { .. }
+            | Operation::DeadZone { .. }
+            | Operation::Switch { .. }
+            | Operation::Delay { .. } => true,
+            Operation::Zero(_) => false,
+            Operation::Integral { rate, .. } => rate.terms.values().all(|factor| self.is_zero(factor)),
+            Operation::Drive(name) => {
+                let drive = self.problem.patch.drives.get(name);
+                drive.is_some_and(|drive| CONSTANT_DRIVES.contains(&drive.kind.name))
+            }
+            Operation::Sum(sum) | Operation::Root(sum) | Operation::Quotient { dividend: sum, .. } => {
+                of_sum(sum)
+            }
+            Operation::Product(factors) => factors.iter().any(of),
+            Operation::Absolute(input) => of(input),
+            Operation::Lower(terms) | Operation::Higher(terms) => {
+                terms.iter().any(|term| of_term((&term.node, &term.coefficient)))
+            }
+            Operation::Function { argument, .. } => of_term((&argument.node, &argument.coefficient)),
+            Operation::Curve { table, input } => of(&input.node) || self.has_flat_segment(table),
+        }
+    }
+
+    /// Whether a coefficient is 0 for the present values of the parameters.
+    fn is_zero(&self, coefficient: &Fraction) -> bool {
+        self.constants.value(coefficient) == 0.0
+    }
+
+    /// Whether a table of the problem is constant between two points.
+    fn has_flat_segment(&self, table: &str) -> bool {
+        let is_flat = |pair: &[[f64; 2]]| pair[0][1] == pair[1][1];
+        self.problem.tables.get(table).is_some_and(|table| table.points.windows(2).any(is_flat))
+    }
+
+    /// Whether terms of a sum can cancel each other for some time: one is made of straight segments, and another one is an
+    /// argument of it, as in x - limit(x, -1, 1).
+    fn can_cancel(&self, sum: &Sum) -> bool {
+        let is_term = |node: &NodeId| *node != ONE && sum.terms.contains_key(node);
+        sum.terms.keys().any(|node| match &self.entries[node.0 as usize].operation {
+            Some(operation) if has_segments(operation) => operation.inputs().iter().any(is_term),
+            _ => false,
+        })
     }
 }
 
-/// Whether a node with this operation can keep a value for some time, if that of its inputs is known.
-fn can_rest(operation: &Operation, rests: &[bool], problem: &Problem) -> bool {
-    let of = |node: &NodeId| rests[node.0 as usize];
-    let of_sum = |sum: &Sum| sum.terms.keys().all(of);
-    match operation {
-        Operation::One
-        | Operation::Limited { .. }
-        | Operation::DeadZone { .. }
-        | Operation::Switch { .. }
-        | Operation::Delay { .. } => true,
-        Operation::Integral { .. } | Operation::Zero(_) => false,
-        Operation::Drive(name) => {
-            let drive = problem.patch.drives.get(name);
-            drive.is_some_and(|drive| CONSTANT_DRIVES.contains(&drive.kind.name))
-        }
-        Operation::Sum(sum) | Operation::Root(sum) | Operation::Quotient { dividend: sum, .. } => of_sum(sum),
-        Operation::Product(factors) => factors.iter().any(of),
-        Operation::Absolute(input) => of(input),
-        Operation::Lower(terms) | Operation::Higher(terms) => terms.iter().any(|term| of(&term.node)),
-        Operation::Function { argument, .. } => of(&argument.node),
-        Operation::Curve { table, input } => {
-            let is_flat = |pair: &[[f64; 2]]| pair[0][1] == pair[1][1];
-            let table = problem.tables.get(table);
-            of(&input.node) || table.is_some_and(|table| table.points.windows(2).any(is_flat))
-        }
-    }
+/// Whether an operation consists of straight segments.
+fn has_segments(operation: &Operation) -> bool {
+    matches!(
+        operation,
+        Operation::Limited { .. }
+            | Operation::DeadZone { .. }
+            | Operation::Absolute(_)
+            | Operation::Lower(_)
+            | Operation::Higher(_)
+            | Operation::Curve { .. }
+    )
 }

@@ -46,7 +46,7 @@ pub(super) fn measured(patch: &Patch, outputs: &[&str]) -> Result<Measured, Scal
 }
 
 /// The largest magnitude of each of these outputs in the record of a run of a patch, in volts. See [`Measured::volts`].
-fn output_peaks(patch: &Patch, trace: &Trace, outputs: &[&str]) -> Vec<f64> {
+pub(crate) fn output_peaks(patch: &Patch, trace: &Trace, outputs: &[&str]) -> Vec<f64> {
     outputs.iter().map(|name| peak(patch, trace, name)).collect()
 }
 

@@ -33,9 +33,10 @@ use attempt::{Basis, Last, last_attempt};
 use built_patch::BuiltPatch;
 pub use error::ScaleError;
 use maxima::checked_maxima;
+pub(crate) use measured::output_peaks;
 pub use narrowing::NarrowedRange;
 use narrowing::with_narrowed_ranges;
-pub use table::{OutputPeak, ScaledQuantity};
+pub use table::{OutputPeak, ScaledDrive, ScaledQuantity};
 
 /// A problem as a scaled patch, with the tables that explain it.
 #[derive(Debug, Clone)]
@@ -45,6 +46,8 @@ pub struct ScaledProblem {
     pub patch: Patch,
     /// The scaling table: a row for each quantity of the problem.
     pub quantities: Vec<ScaledQuantity>,
+    /// The drives that the circuit uses, with their scales.
+    pub drives: Vec<ScaledDrive>,
     /// The peaks of all outputs in a run of the patch.
     pub peaks: Vec<OutputPeak>,
     /// The gain rule in numbers for each input of an integrator, a summer and a pot.
@@ -103,6 +106,7 @@ fn scaled_problem(
     let source = &basis.problem.patch;
     Ok(ScaledProblem {
         quantities: table::quantities(basis, attempt),
+        drives: table::drives(basis, attempt),
         peaks: table::peaks(attempt),
         steps: attempt.synthesis.steps.iter().map(GainStep::text).collect(),
         time_scale: attempt.scales.time_scale,

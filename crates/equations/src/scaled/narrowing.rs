@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 
 use patchcord_core::circuit::{Circuit, RangeCheck};
+use patchcord_core::document::unit_suffix;
 use patchcord_core::patch::Patch;
 use patchcord_expr::{format_significant, round_significant};
 use serde::Serialize;
@@ -48,7 +49,7 @@ pub struct NarrowedRange {
 impl NarrowedRange {
     /// The ranges as a sentence: `range of k: 1 ... 1.9 1/s, where all settings are valid (problem: 1 ... 3 1/s)`.
     pub fn text(&self) -> String {
-        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let unit = unit_suffix(&self.unit);
         let ends = |range: [f64; 2]| {
             let [low, high] = range.map(|end| format_significant(end, TEXT_DIGITS));
             format!("{low} ... {high}{unit}")
@@ -126,7 +127,7 @@ struct Narrowing {
 
 /// Faults of a check on one side: the parameters are on the same sides of their present values, and the value of the
 /// check is too small, or too large.
-struct Fault<'f, 'c> {
+struct RangeFault<'f, 'c> {
     /// The check.
     check: &'f RangeCheck<'c>,
     /// The ends on the sides of the parameters.
@@ -149,7 +150,7 @@ impl Narrowing {
     fn remove(&mut self, check: &RangeCheck<'_>, wrong: &[(usize, f64)]) {
         let sides = wrong.iter().filter(|(parameter, value)| *value != self.present[*parameter]);
         let ends = sides.map(|(parameter, value)| (*parameter, *value > self.present[*parameter])).collect();
-        let fault = Fault { check, ends, is_below: check.excess(wrong) < 0.0 };
+        let fault = RangeFault { check, ends, is_below: check.excess(wrong) < 0.0 };
         if self.is_valid(&fault, &self.ranges) {
             // Only the middle of a range is wrong, so the range ends there.
             self.cut(wrong);
@@ -180,7 +181,7 @@ impl Narrowing {
     }
 
     /// The largest share of the way from the present values to these ends without a fault.
-    fn valid_share(&self, fault: &Fault<'_, '_>, ends: &[End]) -> f64 {
+    fn valid_share(&self, fault: &RangeFault<'_, '_>, ends: &[End]) -> f64 {
         let (mut valid, mut wrong) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = f64::midpoint(valid, wrong);
@@ -195,7 +196,7 @@ impl Narrowing {
 
     /// The ends that cause a fault: those of parameters whose present value removes it from a combination. If no single
     /// parameter does, those of all parameters whose present value makes it smaller.
-    fn harmful_ends(&self, fault: &Fault<'_, '_>) -> Vec<End> {
+    fn harmful_ends(&self, fault: &RangeFault<'_, '_>) -> Vec<End> {
         let mut ends = BTreeSet::new();
         for values in fault.check.combinations(&self.part(fault, &self.ranges)) {
             let size = fault.size(&values);
@@ -209,7 +210,7 @@ impl Narrowing {
     }
 
     /// The size of a fault at a combination of values in which one parameter has its present value.
-    fn size_without(&self, fault: &Fault<'_, '_>, values: &[(usize, f64)], parameter: usize) -> f64 {
+    fn size_without(&self, fault: &RangeFault<'_, '_>, values: &[(usize, f64)], parameter: usize) -> f64 {
         let present = |(index, value): &(usize, f64)| {
             (*index, if *index == parameter { self.present[*index] } else { *value })
         };
@@ -217,12 +218,12 @@ impl Narrowing {
     }
 
     /// Whether ranges have no fault of this kind.
-    fn is_valid(&self, fault: &Fault<'_, '_>, ranges: &[Option<(f64, f64)>]) -> bool {
+    fn is_valid(&self, fault: &RangeFault<'_, '_>, ranges: &[Option<(f64, f64)>]) -> bool {
         fault.check.combinations(&self.part(fault, ranges)).iter().all(|values| fault.size(values) == 0.0)
     }
 
     /// The part of ranges on the sides of a fault. The other sides end at the present values.
-    fn part(&self, fault: &Fault<'_, '_>, ranges: &[Option<(f64, f64)>]) -> Bounds {
+    fn part(&self, fault: &RangeFault<'_, '_>, ranges: &[Option<(f64, f64)>]) -> Bounds {
         let mut part = ranges.to_vec();
         for parameter in fault.check.parameters() {
             let present = self.present[*parameter];
@@ -254,7 +255,7 @@ impl Narrowing {
     }
 }
 
-impl Fault<'_, '_> {
+impl RangeFault<'_, '_> {
     /// The size of the fault at a combination of values. 0 if there is none, or one of the other kind.
     fn size(&self, values: &[(usize, f64)]) -> f64 {
         let excess = self.check.excess(values);

@@ -1,12 +1,13 @@
 //! The faults of scales with which an amplifier overloads.
 
-use patchcord_core::document::Diagnostic;
+use patchcord_core::document::{Diagnostic, unit_suffix};
 use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 use patchcord_expr::format_significant;
 
 use super::attempt::{Attempt, Basis};
 use super::built_patch::BuiltPatch;
+use super::maxima::LARGER_MAXIMUM;
 use super::measured::OverloadedAmplifier;
 use crate::findings::codes;
 use crate::graph::{Plan, PlannedQuantity};
@@ -48,16 +49,15 @@ fn prescribed_fault(name: &str, quantity: &ProblemQuantity, volts: Option<f64>) 
 
 /// A value with its unit.
 fn in_unit(value: f64, unit: &str) -> String {
-    let number = format_significant(value, DIGITS);
-    if unit == "1" { number } else { format!("{number} {unit}") }
+    format!("{}{}", format_significant(value, DIGITS), unit_suffix(unit))
 }
 
 /// A fault for each amplifier that overloads in a run of a patch with these scales.
 pub(super) fn faults(attempt: &Attempt, built: &BuiltPatch<'_>) -> Vec<Diagnostic> {
-    let Basis { plan, problem, .. } = built.basis;
+    let basis = &built.basis;
     let fault = |overload: &OverloadedAmplifier| {
-        let fault = match attempt.quantity_of(&overload.element, plan) {
-            Some((name, per_volt)) => quantity_fault(overload, problem, &name, per_volt),
+        let fault = match attempt.quantity_of(&overload.element, basis.plan) {
+            Some((name, per_volt)) => quantity_fault(overload, basis, &name, per_volt),
             None => part_fault(overload, attempt),
         };
         Diagnostic { span: fault.span.or_else(|| built.span_of(&overload.element)), ..fault }
@@ -76,12 +76,12 @@ fn reached(overload: &OverloadedAmplifier) -> String {
 /// The fault of an amplifier with the value of a quantity or an expression, whose value of one volt in SI units is given.
 fn quantity_fault(
     overload: &OverloadedAmplifier,
-    problem: &Problem,
+    basis: &Basis<'_>,
     name: &str,
     per_volt: f64,
 ) -> Diagnostic {
     let message = format!("{} overloads: {name} {}", overload.element, reached(overload));
-    let Some(quantity) = problem.quantities.get(name) else {
+    let Some(quantity) = basis.problem.quantities.get(name) else {
         let hint = format!(
             "write the equation in another form, or state a larger \"maximum\" for a quantity in {name}"
         );
@@ -94,6 +94,9 @@ fn quantity_fault(
     let scale = quantity.unit.out_of_si(per_volt);
     let peak = overload.demand.unwrap_or(UNKNOWN_PEAK * REFERENCE) * scale;
     let message = format!("{message} with 1 V for {}", in_unit(scale, unit));
+    if let Some(maximum) = quantity.maximum.as_ref().filter(|_| basis.options.keeps_maxima) {
+        return Diagnostic::at(codes::NO_CIRCUIT, maximum.span, message).hint(LARGER_MAXIMUM);
+    }
     let hint = format!("give {name} a \"per_volt\" of {}", in_unit(suitable_scale(peak), unit));
     Diagnostic::at(codes::NO_CIRCUIT, quantity.span, message).hint(hint)
 }

@@ -10,7 +10,7 @@ pub(super) fn number(value: f64) -> Notation {
 }
 
 /// A value in SI units as a number with this unit.
-pub(super) fn measured(value: f64, unit: &Unit) -> Notation {
+pub(super) fn with_unit(value: f64, unit: &Unit) -> Notation {
     let text = (unit.text() != "1").then(|| unit.text().to_owned());
     signed(value, Notation::Number { value: unit.out_of_si(value.abs()), unit: text })
 }
@@ -103,13 +103,13 @@ pub(super) fn quotient(top: Notation, bottom: Notation) -> Notation {
 }
 
 /// A value in SI units per volt, as a number with a unit, times a voltage.
-pub(super) fn measured_times(value: f64, unit: &Unit, voltage: Notation) -> Notation {
+pub(super) fn times_with_unit(value: f64, unit: &Unit, voltage: Notation) -> Notation {
     let (factor, rest) = split(voltage);
     let value = value * factor;
     if unit.text() == "1" {
         return times(unit.out_of_si(value), joined(factors(rest)));
     }
-    let all = [measured(value.abs(), unit)].into_iter().chain(factors(rest));
+    let all = [with_unit(value.abs(), unit)].into_iter().chain(factors(rest));
     signed(value, joined(all.collect()))
 }
 
@@ -118,6 +118,7 @@ mod tests {
     use super::*;
     use crate::notation::text;
 
+    /// The name of a quantity.
     fn name(name: &str) -> Notation {
         Notation::Name { name: name.to_owned(), primes: 0 }
     }
@@ -150,10 +151,10 @@ mod tests {
     fn a_number_with_a_unit_is_a_factor_of_its_own() {
         let [millimetre, pure] = ["mm", "1"].map(|unit| Unit::parse(unit).unwrap());
         let cases = [
-            (measured(0.25, &millimetre), "250 mm"),
-            (measured(-0.25, &pure), "-0.25"),
-            (measured_times(4e-4, &millimetre, times(-0.5, name("x"))), "-(0.2 mm) x"),
-            (measured_times(0.5, &pure, times(3.0, name("x"))), "1.5 x"),
+            (with_unit(0.25, &millimetre), "250 mm"),
+            (with_unit(-0.25, &pure), "-0.25"),
+            (times_with_unit(4e-4, &millimetre, times(-0.5, name("x"))), "-(0.2 mm) x"),
+            (times_with_unit(0.5, &pure, times(3.0, name("x"))), "1.5 x"),
         ];
         for (notation, expected) in cases {
             assert_eq!(text(&crate::notation::rounded(&notation, 12)), expected);

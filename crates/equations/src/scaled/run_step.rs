@@ -26,6 +26,8 @@ pub(super) struct RunStep {
     shorter: Option<f64>,
     /// How often it was shortened.
     changes: usize,
+    /// Whether the last run had steps that are too long, and they may not be shortened any more.
+    is_still_too_long: bool,
 }
 
 impl RunStep {
@@ -50,8 +52,10 @@ impl RunStep {
             Err(error) if self.shorten_after(&error, patch) => return Ok(true),
             trace => trace?,
         };
+        let may_change = self.changes < MAX_CHANGES;
+        self.is_still_too_long = trace.step_warning.is_some() && !may_change;
         match trace.step_warning {
-            Some(warning) if self.changes < MAX_CHANGES => {
+            Some(warning) if may_change => {
                 self.change(warning.recommended.min(0.5 * warning.step));
                 Ok(true)
             }
@@ -79,7 +83,8 @@ impl RunStep {
         self.changes += 1;
     }
 
-    /// The warning that the patch has another step than the problem. `None` if it does not.
+    /// The warning that the patch has another step than the problem, and whether this one is too long too. `None` if it
+    /// has the step of the problem.
     pub(super) fn warning(&self, problem: &Problem) -> Option<Diagnostic> {
         let (step, stated) = (self.shorter?, problem.patch.run.step.as_ref()?);
         let message = format!(
@@ -87,7 +92,12 @@ impl RunStep {
             format_number(stated.value),
             format_number(step)
         );
-        let hint = "state this step, or a \"tolerance\" in its place";
+        let (message, hint) = match self.is_still_too_long {
+            true => {
+                (message + ", which is too long too", "state a shorter step, or a \"tolerance\" in its place")
+            }
+            false => (message, "state this step, or a \"tolerance\" in its place"),
+        };
         Some(Diagnostic::at(codes::SHORTENED_STEP, stated.span, message).hint(hint))
     }
 }

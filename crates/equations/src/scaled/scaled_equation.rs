@@ -10,7 +10,7 @@ use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::Problem;
 use patchcord_expr::Unit;
 
-use super::products::{measured_times, number, product, quotient, square, times};
+use super::products::{number, product, quotient, square, times, times_with_unit};
 use crate::graph::{ConstantValues, NodeId, Operation, Plan, Sum, Term};
 use crate::notation::{Comparison, Condition, Notation, Relation, WrittenEquation, rounded, text};
 use crate::symbolic::Fraction;
@@ -131,11 +131,7 @@ impl<'a> ScaledEquations<'a> {
                 times(1.0 / own, call(kind.function().name(), vec![self.term(argument, 1.0)]))
             }
             Operation::Curve { table, input } => self.curve(table, input, own),
-            Operation::Delay { input, time, .. } => {
-                let value = self.constants.value(time) * self.time_scale;
-                let seconds = Notation::Number { value, unit: Some("s".to_owned()) };
-                times(self.scale(*input) / own, call("delay", vec![self.operand(*input), seconds]))
-            }
+            Operation::Delay { input, time, .. } => self.delay(*input, time, own),
         }
     }
 
@@ -180,8 +176,15 @@ impl<'a> ScaledEquations<'a> {
         let Some((input_unit, output_unit)) = units else {
             return times(1.0 / scale, call(table, vec![times(per_volt, operand)]));
         };
-        let value = call(table, vec![measured_times(per_volt, input_unit, operand)]);
+        let value = call(table, vec![times_with_unit(per_volt, input_unit, operand)]);
         in_volts(value, output_unit, scale)
+    }
+
+    /// The value of a node some time ago in volts of a scale. The time is in machine seconds.
+    fn delay(&self, input: NodeId, time: &Fraction, scale: f64) -> Notation {
+        let value = self.constants.value(time) * self.time_scale;
+        let seconds = Notation::Number { value, unit: Some("s".to_owned()) };
+        times(self.scale(input) / scale, call("delay", vec![self.operand(input), seconds]))
     }
 
     /// A constant in volts of a scale.

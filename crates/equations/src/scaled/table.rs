@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::attempt::{Attempt, Basis};
 use super::scaled_equation::ScaledEquations;
-use crate::graph::{ConstantValues, NodeId};
+use crate::graph::{ConstantValues, NodeId, Operation};
 use crate::synthesis::{GOOD_VOLTS, ScaleReason, Scales};
 
 /// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
@@ -28,6 +28,22 @@ pub struct ScaledQuantity {
     pub peak: f64,
     /// The equation between voltages: `[x]` is the voltage of x, and a prime is a derivative in machine time.
     pub scaled_equation: String,
+}
+
+/// A drive with its scale. The scaled equations contain its voltage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ScaledDrive {
+    /// The name.
+    pub name: String,
+    /// The text of the unit.
+    pub unit: String,
+    /// The largest magnitude in a run of the scaled patch, in the unit.
+    pub maximum: f64,
+    /// The value of one volt in the unit.
+    pub per_volt: f64,
+    /// The largest magnitude in volts.
+    pub peak: f64,
 }
 
 /// The peak of an output in a run of the scaled patch.
@@ -70,8 +86,7 @@ pub(super) fn quantities(basis: &Basis<'_>, attempt: &Attempt) -> Vec<ScaledQuan
     let equations = ScaledEquations::new(plan, problem, per_volt, *time_scale, &constants);
     let row = |(name, node, unit): (&str, NodeId, &Unit)| {
         let declared = problem.quantities.get(name);
-        let per_volt = round_significant(unit.out_of_si(per_volt[node.0 as usize]), EXACT_DIGITS);
-        let peak = peak(attempt, node);
+        let (per_volt, peak) = (in_unit(per_volt[node.0 as usize], unit), peak(attempt, node));
         ScaledQuantity {
             name: name.to_owned(),
             unit: unit.text().to_owned(),
@@ -88,6 +103,24 @@ pub(super) fn quantities(basis: &Basis<'_>, attempt: &Attempt) -> Vec<ScaledQuan
     let unit_of = |node: NodeId| &attempt.synthesis.units[node.0 as usize];
     let further = equations.further().map(|node| (plan.node(node).name.as_str(), node, unit_of(node)));
     planned.chain(further).map(row).collect()
+}
+
+/// The drives that the circuit uses, in the order of the plan.
+pub(super) fn drives(basis: &Basis<'_>, attempt: &Attempt) -> Vec<ScaledDrive> {
+    let row = |node: NodeId| {
+        let Operation::Drive(name) = &basis.plan.node(node).operation else { return None };
+        let unit = &attempt.synthesis.units[node.0 as usize];
+        let per_volt = in_unit(attempt.scales.per_volt[node.0 as usize], unit);
+        let peak = peak(attempt, node);
+        let (name, unit) = (name.clone(), unit.text().to_owned());
+        Some(ScaledDrive { name, unit, maximum: per_volt * peak, per_volt, peak })
+    };
+    basis.plan.ids().filter_map(row).collect()
+}
+
+/// A scale in a unit, without the rounding of the conversion.
+fn in_unit(per_volt: f64, unit: &Unit) -> f64 {
+    round_significant(unit.out_of_si(per_volt), EXACT_DIGITS)
 }
 
 /// The peak of a node in volts; 0 if no output has it.

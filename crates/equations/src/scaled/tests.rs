@@ -50,6 +50,7 @@ fn reason(scaled: &ScaledProblem, quantity: &str) -> Option<&'static str> {
     scaled.peaks.iter().find(|peak| peak.quantity == quantity).unwrap_or_else(|| panic!("{quantity}")).reason
 }
 
+/// An equation of the position x in mm. Its angular frequency is w.
 const OSCILLATION: &str = r#""x'' = -w^2 x""#;
 
 #[test]
@@ -71,6 +72,24 @@ fn every_row_is_in_its_own_unit() {
     assert_eq!(made.peaks.len(), 2, "{:?}", made.peaks);
 }
 
+/// 5 V are 83 V of the machine with 0.06 V per volt, the roundest scale from 5 / 94 to 5 / 51.
+#[test]
+fn a_drive_of_the_scaled_equations_has_its_scale() {
+    let text = r#"{"patchcord": 1, "parameters": {"T": {"value": 1, "unit": "s"}},
+        "quantities": {"x": {"unit": "mV", "initial": 0}},
+        "drives": {"u": {"kind": "square", "unit": "V", "amplitude": 5, "frequency": 0.1}},
+        "equations": ["T x' = u - x"], "run": {"for": 5, "step": 1e-3}}"#;
+    let problem = Problem::parse("problem.json", text).unwrap_or_else(|report| panic!("{report}"));
+    let made = scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let [drive] = made.drives.as_slice() else { panic!("{:?}", made.drives) };
+    assert_eq!((drive.name.as_str(), drive.unit.as_str(), drive.per_volt), ("u", "V", 0.06));
+    assert!((drive.maximum / 5.0 - 1.0).abs() < 1e-9, "{}", drive.maximum);
+    assert!((drive.peak / (5.0 / 0.06) - 1.0).abs() < 1e-9, "{}", drive.peak);
+    assert!(row(&made, "x").scaled_equation.contains("[u]"), "{:?}", made.quantities);
+    let free = scaled(r#""x": {"unit": "mm", "initial": 80}"#, r#""T x' = -x""#, &ScaleOptions::default());
+    assert_eq!(free.drives, []);
+}
+
 #[test]
 fn a_product_and_an_absolute_value_with_scales_of_their_own_have_factors() {
     let quantities = r#""x": {"unit": "mm", "initial": 50, "per_volt": 0.6},
@@ -87,6 +106,25 @@ fn a_product_and_an_absolute_value_with_scales_of_their_own_have_factors() {
     let pot = made.peaks.iter().rfind(|peak| peak.quantity == "p");
     assert_eq!(pot.and_then(|pot| pot.reason), Some("the problem prescribes its scale"));
     assert_eq!(reason(&made, "x"), None);
+}
+
+#[test]
+fn every_maximum_that_is_kept_is_100_volts() {
+    let quantities = r#""x": {"unit": "mm", "initial": 50, "maximum": 60},
+        "p": {"unit": "mm2", "maximum": 3000}, "q": {"unit": "mm", "maximum": 80}"#;
+    let equations = r#""x' = -x/T", "p = x^2", "q = abs(x)""#;
+    let keeps_maxima = ScaleOptions { keeps_maxima: true, ..ScaleOptions::default() };
+    let made = scaled(quantities, equations, &keeps_maxima);
+    for (name, per_volt, equation) in [
+        ("x", 0.6, "[x]' = -[x]"),
+        // 100 V x 0.6 mm x 0.6 mm / 30 mm2 = 1.2.
+        ("p", 30.0, "[p] = 1.2 [x]^2/100"),
+        ("q", 0.8, "[q] = 0.75 abs([x])"),
+    ] {
+        let row = row(&made, name);
+        assert!((row.per_volt / per_volt - 1.0).abs() < 1e-12, "{name}: {}", row.per_volt);
+        assert_eq!(row.scaled_equation, equation);
+    }
 }
 
 #[test]
@@ -122,6 +160,38 @@ fn a_prescribed_scale_that_is_too_small_is_an_error() {
     assert_eq!(finding.hint.as_deref(), Some("let 1 V represent at least 0.2 mm"));
     let per_volt = problem.quantities["x"].per_volt.as_ref().unwrap();
     assert_eq!(finding.span, Some(per_volt.span));
+}
+
+#[test]
+fn a_kept_maximum_with_which_an_amplifier_overloads_is_an_error() {
+    let quantities =
+        r#""x": {"unit": "mm", "initial": 50, "maximum": 50}, "x'": {"unit": "mm/s", "initial": 0}"#;
+    let problem = problem(quantities, OSCILLATION);
+    let keeps_maxima = ScaleOptions { keeps_maxima: true, ..ScaleOptions::default() };
+    // An integrator at 100 V is at its limit.
+    let error = scale_problem(&problem, &keeps_maxima).unwrap_err();
+    let ScaleError::Problem(report) = error else { panic!("{error}") };
+    let finding = &report.findings[0];
+    assert_eq!(finding.message, "A1 overloads: x would need more than 100 V with 1 V for 0.5 mm");
+    assert_eq!(
+        finding.hint.as_deref(),
+        Some("state a larger \"maximum\", or let the scales follow from the peaks")
+    );
+    assert_eq!(finding.span, problem.quantities["x"].maximum.as_ref().map(|maximum| maximum.span));
+    let free = scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert!(row(&free, "x").per_volt > 0.5);
+}
+
+#[test]
+fn a_maximum_has_no_effect_if_another_name_prescribes_the_scale() {
+    let quantities = r#""x": {"unit": "mm", "initial": 0}, "v": {"unit": "mm/s", "maximum": 10},
+        "x'": {"unit": "mm/s", "initial": 72, "per_volt": 1}"#;
+    let equations = r#""x'' = -w^2 x", "v = x'""#;
+    for keeps_maxima in [false, true] {
+        let made = scaled(quantities, equations, &ScaleOptions { keeps_maxima, ..ScaleOptions::default() });
+        assert!(made.warnings.findings.is_empty(), "{}", made.warnings);
+        assert!((row(&made, "v").per_volt - 1.0).abs() < 1e-12);
+    }
 }
 
 #[test]

@@ -170,8 +170,12 @@ pub(crate) fn root(argument: &Fraction) -> Fraction {
     }
 }
 
-/// The value some time ago. The delay of a sum is the sum of the delays, and constant factors are taken out.
+/// The value some time ago. A constant has the same value, the delay of a sum is the sum of the delays, and constant
+/// factors are taken out.
 pub(crate) fn delay(delayed: &Fraction, time: &Fraction) -> Fraction {
+    if delayed.is_constant() {
+        return delayed.clone();
+    }
     if delayed.divisors().len() > 0 {
         return opaque(Operation::Delay, vec![delayed.clone(), time.clone()]);
     }

@@ -125,6 +125,11 @@ impl Symbols {
         &self.entries[symbol.index as usize]
     }
 
+    /// Whether a symbol is a parameter.
+    pub(crate) fn is_parameter(&self, symbol: Symbol) -> bool {
+        matches!(self.entry(symbol).kind, SymbolKind::Parameter(_))
+    }
+
     /// The index of the first variable with this name.
     pub(crate) fn first_of_name(&self, name: &str) -> Option<u32> {
         self.variables(name).next().map(|(symbol, _)| symbol.index)

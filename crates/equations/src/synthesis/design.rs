@@ -6,17 +6,16 @@ use patchcord_expr::format_significant;
 use serde_json::Value;
 
 use super::Scales;
-use super::formula::Product;
+use super::formula::SettingFormula;
 use super::gains::{Coefficient, GAIN_OF_SUMMER, Route, route};
 use super::input::Input;
 use super::names::ScaleNames;
 use super::scale_table::ScaleTable;
+use super::scales::GOOD_VOLTS;
 use crate::derive::System;
 use crate::graph::{NodeId, Operation, Sum, Term};
 use crate::symbolic::Fraction;
 
-/// The largest voltage of an additional summer.
-const MOST_VOLTS: f64 = 95.0;
 /// The largest gain of an open amplifier for which its feedback is not reduced.
 const LARGEST_OPEN_GAIN: f64 = 10.0;
 
@@ -228,7 +227,7 @@ impl<'a> Design<'a> {
             // The summer after the pot has a tenth of the voltage that the term adds to the output.
             let added = |gain: f64| gain * self.input.peak(*node) / self.table.value(*node) / GAIN_OF_SUMMER;
             let choose = |coefficient: &Coefficient| {
-                let may_add_summer = total.may_add_summer && added(coefficient.value) <= MOST_VOLTS;
+                let may_add_summer = total.may_add_summer && added(coefficient.value) <= GOOD_VOLTS[1];
                 route(coefficient, total.gains, may_add_summer)
             };
             match self.branch(*node, coefficient, total, &choose) {
@@ -265,7 +264,7 @@ impl<'a> Design<'a> {
             is_unbounded: expressions.has_unbounded_parameters(&ratio),
         };
         let route = choose(&in_volts).ok_or(in_volts.value)?;
-        let product = Product::one()
+        let product = SettingFormula::one()
             .times(&positive, expressions)
             .times(&entry.expression, expressions)
             .over(&total.expression, expressions)

@@ -7,12 +7,12 @@ use patchcord_core::machines::DEFAULT_MACHINE;
 use patchcord_core::patch::{
     Amount, ElementBuilder, Patch, PatchBuilder, Problem, ScaleBuilder, SignalBuilder,
 };
-use patchcord_expr::{Equation, Expression, FormulaDimension, Node, split_primes};
+use patchcord_expr::{Equation, FormulaDimension, split_primes};
 use serde_json::{Map, Value, json};
 
 use super::assembly::Assembly;
 use super::design::Design;
-use super::formula::{Product, exact_number, json_number};
+use super::formula::{SettingFormula, exact_number, json_number};
 use super::input::Input;
 use super::layout::layout;
 use crate::graph::{NodeId, Operation, PlannedQuantity};
@@ -190,7 +190,9 @@ fn scale_of_quantity(design: &Design<'_>, index: usize, quantity: &PlannedQuanti
     let in_unit = unit.out_of_si(entry.value);
     let per_volt = match (&entry.name, &entry.definition) {
         (Some(name), _) if name != design.names.of_quantity(index) => Value::from(name.as_str()),
-        (_, Some(definition)) => Product::one().times(definition, &design.table.expressions).setting(in_unit),
+        (_, Some(definition)) => {
+            SettingFormula::one().times(definition, &design.table.expressions).setting(in_unit)
+        }
         _ => json_number(in_unit),
     };
     let scale = ScaleBuilder::new(per_volt, unit.text());
@@ -237,7 +239,7 @@ fn with_equations(builder: PatchBuilder, design: &Design<'_>) -> PatchBuilder {
     let problem = design.input.problem;
     let equations = problem.patch.equations.iter().map(|placed| &placed.value);
     let is_stated =
-        |equation: &&Equation| !applies_table(problem, equation) && !starts_solution(design, equation);
+        |equation: &&Equation| !problem.applies_table(equation) && !starts_solution(design, equation);
     let stated: Vec<&Equation> = equations.filter(is_stated).collect();
     if stated.is_empty() {
         return builder.section("positive_feedback", true);
@@ -290,23 +292,6 @@ fn starts_solution(design: &Design<'_>, equation: &Equation) -> bool {
     let planned = quantities.find(|quantity| quantity.name == name);
     planned
         .is_none_or(|quantity| !matches!(design.input.operation(quantity.node), Operation::Integral { .. }))
-}
-
-/// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.
-fn applies_table(problem: &Problem, equation: &Equation) -> bool {
-    [equation.left(), equation.right()].into_iter().any(|side| contains_table(problem, side))
-}
-
-/// Whether an expression applies a table of the problem.
-fn contains_table(problem: &Problem, node: &Node) -> bool {
-    let any = |nodes: &[Node]| nodes.iter().any(|node| contains_table(problem, node));
-    match &node.expression {
-        Expression::Number(_) | Expression::Name(_) => false,
-        Expression::Negate(inner) => contains_table(problem, inner),
-        Expression::Binary(_, left, right) => contains_table(problem, left) || contains_table(problem, right),
-        Expression::Call(_, arguments) => any(arguments),
-        Expression::Apply(name, arguments) => problem.tables.contains_key(name) || any(arguments),
-    }
 }
 
 /// The signals of the quantities.

@@ -48,15 +48,12 @@ impl<'a> Expressions<'a> {
 
     /// Whether an expression contains a parameter.
     pub(super) fn has_parameters(&self, expression: &Fraction) -> bool {
-        expression.contains(&mut |symbol| matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_)))
+        expression.contains(&mut |symbol| self.symbols.is_parameter(symbol))
     }
 
     /// Whether an expression contains a parameter without a range.
     pub(super) fn has_unbounded_parameters(&self, expression: &Fraction) -> bool {
-        expression.contains(&mut |symbol| {
-            let is_parameter = matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_));
-            is_parameter && self.range(symbol).is_none()
-        })
+        expression.contains(&mut |symbol| self.symbols.is_parameter(symbol) && self.range(symbol).is_none())
     }
 
     /// The largest magnitude of an expression at the present values of its parameters and at the bounds of their ranges.
@@ -107,17 +104,16 @@ impl<'a> Expressions<'a> {
     /// The present value of a parameter and a larger one. `None` for other symbols.
     fn raised(&self, symbol: Symbol) -> Option<[f64; 2]> {
         let value = self.value(&Fraction::symbol(symbol));
-        let is_parameter = matches!(self.symbols.entry(symbol).kind, SymbolKind::Parameter(_));
+        let is_parameter = self.symbols.is_parameter(symbol);
         is_parameter.then_some([value, if value == 0.0 { 1.0 } else { value + value.abs() / 2.0 }])
     }
 
     /// The range of a parameter in SI units. `None` for other symbols and without a range.
     fn range(&self, symbol: Symbol) -> Option<[f64; 2]> {
-        let entry = self.symbols.entry(symbol);
-        if !matches!(entry.kind, SymbolKind::Parameter(_)) {
+        if !self.symbols.is_parameter(symbol) {
             return None;
         }
-        let parameter = self.circuit.patch().parameters.get(&entry.name)?;
+        let parameter = self.circuit.patch().parameters.get(self.name(symbol))?;
         let (low, high) = parameter.range?;
         Some([low, high].map(|end| parameter.unit.to_si(end)))
     }

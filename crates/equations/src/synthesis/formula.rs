@@ -20,16 +20,16 @@ const LONGEST_PART: usize = 6;
 /// The digits of a number that was computed from other numbers. The rest is rounding.
 const COMPUTED_DIGITS: usize = 15;
 
-/// A product of a number and powers of texts, in the order in which they are multiplied.
+/// The formula of a setting: a product of a number and powers of texts, in the order in which they are multiplied.
 #[derive(Debug, Clone)]
-pub(super) struct Product {
+pub(super) struct SettingFormula {
     /// The number.
     number: Rational,
     /// The factors, each once.
     factors: Vec<Factor>,
     /// The exponent of the time scale, which is the last factor.
     time_scale: i32,
-    /// Whether all factors have a text. A step, a table and a delay have none.
+    /// Whether all factors have a text. A table and a delay have none.
     is_writable: bool,
 }
 
@@ -44,10 +44,10 @@ struct Factor {
     exponent: i32,
 }
 
-impl Product {
+impl SettingFormula {
     /// The product without factors: 1.
     pub(super) fn one() -> Self {
-        Product { number: Rational::one(), factors: Vec::new(), time_scale: 0, is_writable: true }
+        SettingFormula { number: Rational::one(), factors: Vec::new(), time_scale: 0, is_writable: true }
     }
 
     /// The product with an expression.
@@ -261,7 +261,7 @@ fn number_parts(number: &Rational) -> (Option<String>, Option<String>) {
 fn sum_text(sum: &Polynomial, expressions: &Expressions<'_>) -> Option<String> {
     let mut terms: Vec<([bool; 2], String)> = Vec::new();
     for (product, number) in sum.terms() {
-        let mut term = Product { number: number.abs(), ..Product::one() };
+        let mut term = SettingFormula { number: number.abs(), ..SettingFormula::one() };
         for (atom, power) in product.factors() {
             term.multiply(atom_text(atom, expressions), false, *power);
         }
@@ -288,23 +288,29 @@ fn atom_text(atom: &Atom, expressions: &Expressions<'_>) -> Option<String> {
         Atom::Symbol(symbol) => return Some(expressions.name(*symbol).to_owned()),
         Atom::Apply(applied) => applied,
     };
+    let argument = |argument: &Fraction| SettingFormula::one().times(argument, expressions).text();
     let name = match applied.operation {
+        Operation::Step => return Some(step_text(&argument(applied.arguments.first()?)?)),
         Operation::Absolute => "abs",
         Operation::Minimum => "min",
         Operation::Maximum => "max",
         // The argument in parentheses.
         Operation::Group => "",
         Operation::Call(CallOrder(function)) => function.name(),
-        Operation::Step
-        | Operation::Table(_)
+        Operation::Table(_)
         | Operation::TableSlope(_)
         | Operation::Delay
         | Operation::Limit
         | Operation::Sign => return None,
     };
-    let argument = |argument: &Fraction| Product::one().times(argument, expressions).text();
     let arguments: Option<Vec<String>> = applied.arguments.iter().map(argument).collect();
     Some(format!("{name}({})", arguments?.join(", ")))
+}
+
+/// The step of an expression in the functions of formulas. The angle of the point (|x|, min(x, 0)) is -pi/4 if x is below
+/// 0, otherwise 0, for x of any unit.
+fn step_text(argument: &str) -> String {
+    format!("(1 + floor(atan2(min({argument}, 0), abs({argument}))))")
 }
 
 /// A number of a document, without the rounding of its computation. A whole number has no decimal point.

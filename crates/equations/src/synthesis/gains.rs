@@ -1,6 +1,6 @@
 //! Coefficients as pots, gains and cords: coefficient = pot x gain x number of equal cords.
 
-use super::formula::Product;
+use super::formula::SettingFormula;
 
 /// The largest number of equal cords from one output to one amplifier.
 pub(super) const MOST_CORDS: u32 = 5;
@@ -79,7 +79,7 @@ impl Route {
     }
 
     /// Divides the product of a coefficient by the factor of everything after the pot.
-    pub(super) fn setting(&self, coefficient: Product) -> Product {
+    pub(super) fn setting(&self, coefficient: SettingFormula) -> SettingFormula {
         coefficient.over_number(self.factor())
     }
 }
@@ -130,7 +130,9 @@ fn chosen(coefficient: &Coefficient, routes: &[Route]) -> Option<Route> {
 mod tests {
     use super::*;
 
+    /// The gains of a summer.
     const SUMMER: [f64; 2] = [1.0, 10.0];
+    /// The gains of an integrator.
     const INTEGRATOR: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
     /// A coefficient that depends on no parameter.
@@ -148,6 +150,7 @@ mod tests {
         Coefficient { is_unbounded: true, ..variable(value, value) }
     }
 
+    /// A route with one cord.
     fn cord(has_pot: bool, gain: f64) -> Option<Route> {
         Some(Route { has_pot, gain, ..Route::POT })
     }

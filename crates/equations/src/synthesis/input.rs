@@ -2,6 +2,7 @@
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
+use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{Problem, ProblemQuantity};
 use patchcord_expr::{Dimension, Unit, split_primes};
 
@@ -18,8 +19,6 @@ use crate::positions::node_span;
 const SUMMER_GAINS: [f64; 2] = [1.0, 10.0];
 /// Gains of integrators on a machine without a list of gains, per machine second.
 const INTEGRATOR_GAINS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
-/// The voltage that represents a stated maximum.
-const VOLTS_OF_MAXIMUM: f64 = 100.0;
 
 /// What the synthesis reads.
 #[derive(Debug)]
@@ -58,12 +57,12 @@ impl<'a> Input<'a> {
         let (mut centred, mut nodes) = (plan.clone(), ranges.nodes.clone());
         centre_angles(&mut centred, &mut nodes);
         let mut labels = labels(&centred);
-        let is_prescribed =
-            |name: &String| problem.quantities.get(name).is_some_and(|quantity| quantity.per_volt.is_some());
         let expressions = Expressions::new(&centred.symbols, circuit);
         let unsettled = unsettled_scales(&centred, &|constant| expressions.has_parameters(constant));
+        let fixes_scale =
+            |name: &String| problem.quantities.get(name).is_some_and(|it| has_scale(it, options));
         let needs_own_scale =
-            |id: NodeId| unsettled.contains(&id) || labels[id.0 as usize].iter().any(is_prescribed);
+            |id: NodeId| unsettled.contains(&id) || labels[id.0 as usize].iter().any(fixes_scale);
         let Rescaled { plan, origins, order } = rescaled(&centred, &needs_own_scale);
         for origin in origins {
             nodes.push(nodes[origin.0 as usize]);
@@ -153,7 +152,7 @@ impl<'a> Input<'a> {
             return None;
         }
         let of_maximum = |quantity: &ProblemQuantity| {
-            Some(quantity.unit.to_si(quantity.maximum.as_ref()?.value) / VOLTS_OF_MAXIMUM)
+            Some(quantity.unit.to_si(quantity.maximum.as_ref()?.value) / REFERENCE)
         };
         self.prescribed_scale(id).or_else(|| self.quantities(id).find_map(of_maximum))
     }
@@ -189,6 +188,11 @@ impl<'a> Input<'a> {
         let span = declared.or_else(|| node_span(&self.plan, self.problem, id));
         Diagnostic { code: codes::NO_CIRCUIT, span, message, hint: Some(hint.to_owned()) }
     }
+}
+
+/// Whether the problem fixes the scale of a quantity: by `per_volt`, or by a maximum that is kept.
+fn has_scale(quantity: &ProblemQuantity, options: &ScaleOptions) -> bool {
+    quantity.per_volt.is_some() || (options.keeps_maxima && quantity.maximum.is_some())
 }
 
 /// The names of the quantities of each node. Names without primes come first.

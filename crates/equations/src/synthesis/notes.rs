@@ -74,7 +74,8 @@ impl GainStep {
         }
     }
 
-    /// The step as an equation in numbers: `A2, - (k/m) x: 40 x 0.001 / 0.01 = 4 = 10 x 0.4`.
+    /// The step as an equation in numbers: `A2, - (k/m) x: 40 * 0.001 / 0.01 = 4 = 10 * 0.4`.
+    /// The sign of the product is that of formulas, because `x` is a common quantity.
     pub(crate) fn text(&self) -> String {
         let number = |value: f64| format_significant(value, DIGITS);
         let [input, output] = [self.input_scale, self.output_scale].map(number);
@@ -85,9 +86,9 @@ impl GainStep {
         factors.extend((self.cords > 1).then(|| format!("{} cords", self.cords)));
         factors.extend((self.summers > 0).then(|| "10".to_owned()));
         factors.extend(self.setting.map(number));
-        let (gain, factors) = (number(self.computer_gain), factors.join(" x "));
+        let (gain, factors) = (number(self.computer_gain), factors.join(" * "));
         let GainStep { element, term, .. } = self;
-        format!("{element}, {term}: {coefficient} x {input} / {output}{time_scale} = {gain} = {factors}")
+        format!("{element}, {term}: {coefficient} * {input} / {output}{time_scale} = {gain} = {factors}")
     }
 }
 

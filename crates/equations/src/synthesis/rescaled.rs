@@ -1,9 +1,9 @@
 //! Nodes whose scales follow from others, and sums that give some of them a scale of their own.
 //!
 //! A multiplier, a diode network and a delay line have no gains. So the scale of a product follows from those of its
-//! factors, for example. If a user prescribes the scale of such a node, or if its scale depends on itself through a
-//! feedback, a sum with this node as its only term is added. The same is done if the scale depends on parameters and the
-//! node is the input of an element with settings that are numbers.
+//! factors, for example. If a user prescribes the scale of such a node or keeps its maximum, or if its scale depends on
+//! itself through a feedback, a sum with this node as its only term is added. The same is done if the scale depends on
+//! parameters and the node is the input of an element with settings that are numbers.
 
 use std::collections::{BTreeMap, BTreeSet};
 

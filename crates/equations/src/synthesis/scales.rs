@@ -3,6 +3,7 @@
 use std::f64::consts::LN_10;
 
 use patchcord_core::circuit::Circuit;
+use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::Problem;
 
 use super::centred::least_volts;
@@ -25,8 +26,6 @@ use crate::symbolic::Fraction;
 const CHOSEN_VOLTS: [f64; 2] = [51.0, 94.0];
 /// A measured peak within these voltages uses the range of its amplifier. Another one needs a new scale.
 pub(crate) const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
-/// The largest voltage of an amplifier. Of a larger peak little is known.
-const MOST_VOLTS: f64 = 100.0;
 /// The peak behind an overload is taken to be larger by this factor.
 const OVERLOAD: f64 = 1.5;
 /// The largest voltage behind an overload that is believed. In a run with overloads, voltages can be far too large.
@@ -72,15 +71,15 @@ fn stated(input: &Input<'_>, id: NodeId, peaks: &[f64]) -> Option<Chosen> {
 
 /// Whether a peak of the solution without scales is above 100 V, and not only by its error. Both are in one unit.
 pub(crate) fn exceeds_reference(peak: f64, per_volt: f64) -> bool {
-    peak > MOST_VOLTS * per_volt * (1.0 + PEAK_ERROR)
+    peak > REFERENCE * per_volt * (1.0 + PEAK_ERROR)
 }
 
 /// Chooses new scales for the nodes whose measured peaks are below 50 V or above 95 V.
 ///
 /// `volts` has the largest magnitudes of outputs in a run of the synthesised patch, by node. A scale that the problem
-/// prescribes never changes. With `keeps_maxima`, that of a stated maximum changes after an overload only. A run with an
-/// overload does not show how large the other voltages are. So only the scales of outputs at 100 V change after it. The
-/// result has the values of `scales` if nothing can be improved.
+/// prescribes never changes. With `keeps_maxima`, that of a stated maximum does not change either. A run with an overload
+/// does not show how large the other voltages are. So only the scales of outputs at 100 V change after it. The result has
+/// the values of `scales` if nothing can be improved.
 pub(crate) fn improved_scales(
     plan: &Plan,
     problem: &Problem,
@@ -96,19 +95,19 @@ pub(crate) fn improved_scales(
     let mut kept: Vec<Option<Chosen>> =
         present.map(|(per_volt, reason)| Some(Chosen { per_volt: *per_volt, reason: *reason })).collect();
     kept.resize(peaks.len(), None);
-    let is_over = |volts: f64| volts >= MOST_VOLTS;
+    let is_over = |volts: f64| volts >= REFERENCE;
     let has_overload = volts.iter().any(|(_, volts)| is_over(*volts));
     for (id, volts) in volts {
         let index = id.0 as usize;
         let Some(chosen) = kept.get(index).copied().flatten() else { continue };
-        if input.prescribed_scale(*id).is_some() {
+        if is_kept(&input, *id) {
             continue;
         }
         if is_over(*volts) {
             let believed = OVERLOAD * volts.min(BELIEVED_VOLTS) * chosen.per_volt;
             peaks[index] = peaks[index].max(believed);
             kept[index] = None;
-        } else if !has_overload && needs_change(&input, *id, *volts) && peaks[index] > 0.0 {
+        } else if !has_overload && !is_good(*volts) && peaks[index] > 0.0 {
             peaks[index] = volts * chosen.per_volt;
             kept[index] = None;
         }
@@ -116,11 +115,15 @@ pub(crate) fn improved_scales(
     choose(&input, &peaks, &kept)
 }
 
-/// Whether the scale of a node should change if it has this peak in a run without overloads.
-fn needs_change(input: &Input<'_>, id: NodeId, volts: f64) -> bool {
-    let is_good = (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts);
-    let is_kept = input.options.keeps_maxima && input.stated_scale(id).is_some();
-    !is_good && !is_kept
+/// Whether the scale of a node stays for every peak: the problem prescribes it, or its stated maximum is kept.
+fn is_kept(input: &Input<'_>, id: NodeId) -> bool {
+    let stated = if input.options.keeps_maxima { input.stated_scale(id) } else { input.prescribed_scale(id) };
+    stated.is_some()
+}
+
+/// Whether a peak in a run without overloads uses the range of its amplifier.
+fn is_good(volts: f64) -> bool {
+    (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts)
 }
 
 /// The round number that is suitable as the scale of a peak: the peak is between 51 and 94 V.
@@ -145,7 +148,11 @@ fn choose(input: &Input<'_>, peaks: &[f64], kept: &[Option<Chosen>]) -> Scales {
     let mut reasons: Vec<Option<ScaleReason>> = first.iter().map(reason).collect();
     let mut chosen: Vec<Option<f64>> = first.iter().map(|chosen| Some((*chosen)?.per_volt)).collect();
     fill_unknown(input, &mut chosen);
-    let mut per_volt: Vec<f64> = chosen.into_iter().map(|scale| scale.unwrap_or(f64::NAN)).collect();
+    let filled = |(id, scale): (NodeId, Option<f64>)| match (first[id.0 as usize], scale) {
+        (None, Some(estimate)) => choice.within(id, estimate),
+        (_, scale) => scale.unwrap_or(f64::NAN),
+    };
+    let mut per_volt: Vec<f64> = input.plan.ids().zip(chosen).map(filled).collect();
     for _ in 0..PASSES {
         per_volt = table(input, &per_volt).values();
         for id in input.plan.ids().filter(|id| kept[id.0 as usize].is_none()) {
@@ -270,7 +277,7 @@ impl Choice<'_, '_> {
         let factor = expressions.value(coefficient).abs();
         let (direct, peak) = (factor * per_volt[node.0 as usize], self.peak(id));
         let is_large = |scale: f64| peak >= CHOSEN_VOLTS[0] * scale && scale > 0.0;
-        if !is_large(direct) || peak > MOST_VOLTS * direct {
+        if !is_large(direct) || peak > REFERENCE * direct {
             return None;
         }
         let has_parameters = expressions.has_parameters(coefficient);

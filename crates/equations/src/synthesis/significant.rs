@@ -10,9 +10,14 @@ use crate::graph::{FunctionKind, NodeId, Operation, Sum};
 /// share of 1 rad.
 const ROUNDING: f64 = 1e-10;
 
-/// The peak of each node in SI units. It is 0 if the node consists of rounding, or has no finite range.
+/// A peak below this, in SI units, counts as 0. No unit is so small, but the far end of a long chain of lags is.
+const LEAST_PEAK: f64 = 1e-60;
+
+/// The peak of each node in SI units. It is 0 if the node consists of rounding, is far below every unit, or has no finite
+/// range.
 pub(super) fn significant_peaks(input: &Input<'_>) -> Vec<f64> {
-    let peak = |id: NodeId| Some(input.peak(id)).filter(|peak| peak.is_finite()).unwrap_or(0.0);
+    let is_significant = |peak: &f64| peak.is_finite() && *peak >= LEAST_PEAK;
+    let peak = |id: NodeId| Some(input.peak(id)).filter(is_significant).unwrap_or(0.0);
     let mut peaks: Vec<f64> = input.plan.ids().map(peak).collect();
     let mut is_changed = true;
     while is_changed {

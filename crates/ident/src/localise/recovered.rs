@@ -12,10 +12,8 @@ use crate::effects::sites::{Junction, ScaledSignal};
 use crate::effects::{Attachment, Effect, Form, InputRole, OutputRole};
 use crate::localise::input_basis::InputBasis;
 use patchcord_core::document::json_value;
+use patchcord_core::machines::REFERENCE;
 use patchcord_core::patch::{EditError, Patch};
-
-/// Full scale, in volts. Beyond its outermost knots a function generator is constant up to here.
-const FULL_SCALE: f64 = 100.0;
 
 /// The patch with a table drive at a junction, for an input over time, and the name of the drive. `points` are pairs of
 /// time in seconds and input in the unit of the junction's sum.
@@ -50,7 +48,7 @@ pub(crate) fn with_function(
 ) -> Result<(Patch, String), EditError> {
     let law = format!("F = F({}), a curve", signal.signal);
     let points: Vec<[f64; 2]> =
-        points.iter().map(|point| point.map(|volts| volts.clamp(-FULL_SCALE, FULL_SCALE))).collect();
+        points.iter().map(|point| point.map(|volts| volts.clamp(-REFERENCE, REFERENCE))).collect();
     let note = format!("recovered force over {}", signal.signal);
     let generator =
         FunctionGenerator { kind: "function-generator", input: "position", points: &points, note: &note };
@@ -72,15 +70,15 @@ pub(crate) fn function_basis(
 ) -> InputBasis {
     let volts_per_unit = 1.0 / junction.sum.per_volt;
     let point = |(index, knot): (usize, &f64)| {
-        ((knot / signal.per_volt).clamp(-FULL_SCALE, FULL_SCALE), vec![(index, volts_per_unit)])
+        ((knot / signal.per_volt).clamp(-REFERENCE, REFERENCE), vec![(index, volts_per_unit)])
     };
     let mut points: Vec<_> = knots.iter().enumerate().map(point).collect();
     let last = knots.len() - 1;
-    if points[0].0 > -FULL_SCALE {
-        points.insert(0, (-FULL_SCALE, vec![(0, volts_per_unit)]));
+    if points[0].0 > -REFERENCE {
+        points.insert(0, (-REFERENCE, vec![(0, volts_per_unit)]));
     }
-    if points[points.len() - 1].0 < FULL_SCALE {
-        points.push((FULL_SCALE, vec![(last, volts_per_unit)]));
+    if points[points.len() - 1].0 < REFERENCE {
+        points.push((REFERENCE, vec![(last, volts_per_unit)]));
     }
     InputBasis { groups: vec![knots.len()], records: vec![points; record_count] }
 }

@@ -95,10 +95,11 @@ fn is_power_of(factor: f64, time_scale: f64) -> bool {
 }
 
 /// The warning if the patch has a time scale and pots in front of integrators, and none of their settings names the time
-/// scale. `None` if a setting is a number or names only parameters that could contain the time scale.
+/// scale. `None` if a setting is a number or names only parameters that could contain the time scale, or if the patch
+/// states equations: they decide, and the time scale can be in the gains.
 pub(in crate::circuit) fn time_scale_warning(circuit: &Circuit) -> Option<Diagnostic> {
     let time_scale = circuit.time_scale();
-    if time_scale == 1.0 {
+    if time_scale == 1.0 || !circuit.equations().is_empty() {
         return None;
     }
     let elements = circuit.elements();

@@ -21,7 +21,7 @@ use indexmap::IndexMap;
 use super::{Patch, table_file};
 use crate::document::file::{DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text};
 use crate::document::{Diagnostic, DocumentKind, Placed, Report, Span, tree};
-use patchcord_expr::{Formula, Unit};
+use patchcord_expr::{Equation, Formula, Unit};
 
 /// A problem: the equations of a system, with everything that is needed to make a patch that solves them.
 ///
@@ -150,6 +150,25 @@ impl Problem {
         decode::document(&root, &mut problem).map_err(fail)?;
         table_file::read_tables(&mut problem.patch, folder.as_ref());
         Ok(problem)
+    }
+
+    /// Whether an equation applies a table of the problem. A patch has no tables, so it cannot state such an equation.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::Problem;
+    ///
+    /// let text = r#"{"patchcord": 1, "quantities": {"x": {"unit": "1", "initial": 1}, "y": {"unit": "1"}},
+    ///     "tables": {"f": {"in": "1", "out": "1", "points": [[-1, 0], [1, 3]]}},
+    ///     "equations": ["x' = -x", "y = 2 f(x)"], "run": {"for": 1, "step": 0.01}}"#;
+    /// let problem = Problem::parse("table.json", text)?;
+    /// let found = problem.patch.equations.iter().map(|placed| problem.applies_table(&placed.value));
+    /// assert_eq!(found.collect::<Vec<_>>(), [false, true]);
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn applies_table(&self, equation: &Equation) -> bool {
+        self.tables.keys().any(|table| check::applies_table(equation, table))
     }
 
     /// Whether a text is a problem, possibly with faults: a document of patchcord with quantities and without elements, or

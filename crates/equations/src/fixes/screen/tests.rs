@@ -95,7 +95,11 @@ fn auxiliary_quantities_are_computed_once_at_each_instant() {
     let doubled = (1..=40).map(|index| format!("a{index} = a{} + a{}", index - 1, index - 1));
     let mut equations: Vec<String> = std::iter::once("a0 = x".to_owned()).chain(doubled).collect();
     let factor = 2_u64.pow(40);
-    equations.extend([format!("{factor} x' = -a40"), format!("-{factor} x' = -a40"), "a40'' = a40".to_owned()]);
+    equations.extend([
+        format!("{factor} x' = -a40"),
+        format!("-{factor} x' = -a40"),
+        "a40'' = a40".to_owned(),
+    ]);
     let equations: Vec<&str> = equations.iter().map(String::as_str).collect();
     let passed = passes(&circuit(decay, &equations), &Rewiring::default(), Validity::Present);
     assert_eq!(passed[41..], [true, false, true]);

@@ -155,6 +155,25 @@ fn arguments_outside_the_range_of_an_element_are_faults() {
     assert_fault("y = delay(x, w - 1)", "w - 1", message, "choose a positive value");
     let message = "the lower limit in limit(x, p, w) exceeds the upper one";
     assert_fault("y = limit(x, p, w)", "limit(x, p, w)", message, "exchange the limits");
-    let message = "sin(x - x) does not vary";
-    assert_fault("y = sin(x - x)", "sin(x - x)", message, "write its value as a parameter");
+    let message = "spring(p) does not vary";
+    assert_fault("y = spring(p)", "spring(p)", message, "write its value as a parameter");
+}
+
+#[test]
+fn functions_of_constants_are_constant() {
+    let cases = [
+        ("sin(x - x) + 2 x", "y = 2 * x"),
+        ("cos(0 x) + x", "y = 1 + x"),
+        ("2 exp(-abs(0 x)) x", "y = 2 * x"),
+        ("max(x - x, p) x", "y = p * x"),
+        ("sign(x - x + 3) + step(x - x) + x", "y = 2 + x"),
+        ("2 limit(x - x, 1, 3) x", "y = 2 * x"),
+        ("dead_zone(x - x + 3, 1) + x", "y = 2 + x"),
+        ("delay(x - x, w) + 2 x", "y = 2 * x"),
+        ("delay(sqrt(p), w) x", "y = sqrt(p) * x"),
+        ("x^(x - x + 2)", "y = x times x"),
+    ];
+    for (value, expected) in cases {
+        assert_nodes(&format!("y = {value}"), &[expected]);
+    }
 }

@@ -2,17 +2,24 @@
 
 use patchcord_core::patch::Problem;
 
+use super::{MAX_CHANGES, RunStep};
 use crate::findings::codes;
 use crate::scaled::{ScaleOptions, ScaledProblem, scale_problem};
+use crate::synthesis::with_step;
 
-/// A scaled problem of pure numbers with a quantity x, from 1, and this run.
-fn scaled(equation: &str, run: &str) -> ScaledProblem {
+/// A problem of pure numbers with a quantity x, from 1, and this run.
+fn problem(equation: &str, run: &str) -> Problem {
     let text = format!(
         r#"{{"patchcord": 1, "quantities": {{"x": {{"unit": "1", "initial": 1}}, "x'": {{"unit": "1", "initial": 0}}}},
             "equations": ["{equation}"], "run": {run}}}"#
     );
-    let problem = Problem::parse("p.json", &text).unwrap_or_else(|report| panic!("{report}"));
-    scale_problem(&problem, &ScaleOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    Problem::parse("p.json", &text).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// The problem, scaled.
+fn scaled(equation: &str, run: &str) -> ScaledProblem {
+    let scaled = scale_problem(&problem(equation, run), &ScaleOptions::default());
+    scaled.unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -41,4 +48,24 @@ fn a_short_step_and_a_tolerance_stay() {
         let scaled = scaled("x'' = -100 x - x'", &format!(r#"{{"for": 10, {times}}}"#));
         assert!(scaled.warnings.findings.is_empty(), "{}", scaled.warnings);
     }
+}
+
+#[test]
+fn a_step_that_is_too_long_after_all_changes_is_named() {
+    let equation = "x'' = -100 x - x'";
+    let patch = scaled(equation, r#"{"for": 10, "step": 0.001, "every": 0.1}"#).patch;
+    let stated = problem(equation, r#"{"for": 10, "step": 0.5}"#);
+    let shortened = |step: f64| {
+        let mut run = RunStep { shorter: Some(step), changes: MAX_CHANGES, is_still_too_long: false };
+        assert!(!run.shorten(&with_step(&patch, step).unwrap()).unwrap());
+        run.warning(&stated).unwrap()
+    };
+    // The solver is stable with a step of 0.1 s, and inaccurate.
+    let warning = shortened(0.1);
+    let message = "the step of 0.5 s is too long for these equations: the patch has a step of 0.1 s";
+    assert_eq!(warning.message, format!("{message}, which is too long too"));
+    assert_eq!(warning.hint.as_deref(), Some("state a shorter step, or a \"tolerance\" in its place"));
+    let warning = shortened(0.001);
+    assert!(warning.message.ends_with("the patch has a step of 0.001 s"), "{}", warning.message);
+    assert_eq!(warning.hint.as_deref(), Some("state this step, or a \"tolerance\" in its place"));
 }

@@ -258,6 +258,7 @@ fn a_delay_is_linear() {
         ("p x^2 - abs(x)", "p delay(x^2, T) - delay(abs(x), T)"),
         ("x/(x + 1)", "delay(x/(x + 1), T)"),
         ("p + q", "p + q"),
+        ("p/(1 + q) + sqrt(p)", "p/(1 + q) + sqrt(p)"),
         ("0", "0"),
     ];
     for (text, expected) in cases {

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::super::assembly::Assembly;
 use super::super::design::Design;
-use super::super::formula::{Product, json_number};
+use super::super::formula::{SettingFormula, json_number};
 use super::super::notes::{signed, term_text};
 use crate::graph::{FunctionKind, NodeId, Operation, Term};
 use crate::peaks::points_in_si;
@@ -63,7 +63,7 @@ fn add_wave(assembly: &mut Assembly<'_>, id: NodeId, kind: &str, argument: &Term
     let sign = sign_of_input * assembly.polarity(id);
     let (amplitude, volts) = reciprocal(design, id, sign);
     check(design, id, ("the amplitude", volts.abs()), (0.0, REFERENCE))?;
-    let angle = Product::one().times(&design.table.size_of(argument), expressions);
+    let angle = SettingFormula::one().times(&design.table.size_of(argument), expressions);
     let angle = angle.setting(design.table.weight(argument));
     let wave = ElementBuilder::new(kind).cord("in", &input).set("amplitude", amplitude);
     assembly.add_output(id, wave.set("angle_per_volt", angle));
@@ -73,7 +73,7 @@ fn add_wave(assembly: &mut Assembly<'_>, id: NodeId, kind: &str, argument: &Term
 /// The reciprocal of the scale of a node with a sign, as a voltage: its setting and its value.
 fn reciprocal(design: &Design<'_>, id: NodeId, sign: i8) -> (Value, f64) {
     let volts = f64::from(sign) / design.table.value(id);
-    let product = Product::one().times_number(f64::from(sign));
+    let product = SettingFormula::one().times_number(f64::from(sign));
     (product.over(design.table.expression(id), &design.table.expressions).setting(volts), volts)
 }
 
@@ -142,7 +142,7 @@ fn add_exponential(assembly: &mut Assembly<'_>, id: NodeId, argument: &Term) -> 
     let per_decade = gain * LN_10 / design.table.weight(argument);
     let (reference, volts) = reciprocal(design, id, 1);
     check(design, id, ("the voltage at the argument 0", volts), LEVELS)?;
-    let product = Product::one().times_text("ln(10)").times_number(gain);
+    let product = SettingFormula::one().times_text("ln(10)").times_number(gain);
     let product = product.over(&design.table.size_of(argument), &design.table.expressions);
     let input = conditioned(assembly, argument, gain);
     let element = ElementBuilder::new("exp").cord("in", &input).set("reference", reference);
@@ -166,9 +166,11 @@ fn add_logarithm(assembly: &mut Assembly<'_>, id: NodeId, argument: &Term) -> Re
     check(design, id, ("the smallest voltage of the argument", least_volts), (LEVELS.0, f64::INFINITY))?;
     let volts = LN_10 / design.table.value(id);
     check(design, id, ("the output per decade", volts), PER_DECADE)?;
-    let per_decade = Product::one().times_text("ln(10)").over(design.table.expression(id), expressions);
+    let per_decade =
+        SettingFormula::one().times_text("ln(10)").over(design.table.expression(id), expressions);
     let level = gain / design.table.weight(argument);
-    let reference = Product::one().times_number(gain).over(&design.table.size_of(argument), expressions);
+    let reference =
+        SettingFormula::one().times_number(gain).over(&design.table.size_of(argument), expressions);
     let input = conditioned(assembly, argument, gain);
     let element = ElementBuilder::new("log").cord("in", &input).set("reference", reference.setting(level));
     let element = element.set("per_decade", per_decade.setting(volts));

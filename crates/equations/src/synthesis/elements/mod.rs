@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use super::assembly::Assembly;
 use super::design::{Block, Design};
-use super::formula::{EXACT_DIGITS, Product, json_number};
+use super::formula::{EXACT_DIGITS, SettingFormula, json_number};
 use crate::graph::{NodeId, Operation};
 use crate::symbolic::{Fraction, nearest};
 
@@ -140,8 +140,8 @@ fn volts(
 }
 
 /// A constant times a polarity. A number is a decimal: `0.1 / x` and not `1 / x / 10`.
-fn signed_constant(design: &Design<'_>, constant: &Fraction, polarity: i8) -> Product {
-    let product = Product::one().times_number(f64::from(polarity));
+fn signed_constant(design: &Design<'_>, constant: &Fraction, polarity: i8) -> SettingFormula {
+    let product = SettingFormula::one().times_number(f64::from(polarity));
     let Some(number) = constant.as_rational() else {
         return product.times(constant, &design.table.expressions);
     };

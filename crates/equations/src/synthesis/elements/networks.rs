@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::super::assembly::Assembly;
 use super::super::design::Design;
-use super::super::formula::{Product, json_number};
+use super::super::formula::{SettingFormula, json_number};
 use super::super::gains::Route;
 use super::super::notes::{signed, term_text};
 use super::volts;
@@ -55,7 +55,7 @@ pub(super) fn add_selector(assembly: &mut Assembly<'_>, id: NodeId, terms: &[Ter
 fn share(design: &Design<'_>, term: &Term, id: NodeId) -> (Value, f64) {
     let expressions = &design.table.expressions;
     let value = design.table.weight(term) / design.table.value(id);
-    let product = Product::one().times(&term.coefficient, expressions);
+    let product = SettingFormula::one().times(&term.coefficient, expressions);
     let product = product.times(design.table.expression(term.node), expressions);
     let product = Route::POT.setting(product.over(design.table.expression(id), expressions));
     (product.setting(value), value)
@@ -84,9 +84,10 @@ fn zone_setting(design: &Design<'_>, input: NodeId, width: &Term) -> Value {
     // With the reference as width, W is the width at 100 V over 100.
     let is_reference = *design.input.operation(width.node) == Operation::One;
     let factor = if is_reference { REFERENCE } else { 1.0 };
-    let of_width = Product::one().times_number(factor).times(&width.coefficient, expressions);
+    let of_width = SettingFormula::one().times_number(factor).times(&width.coefficient, expressions);
     let of_width = of_width.times(design.table.expression(width.node), expressions).factor_text();
-    let of_input = Product::one().times_number(factor).times(design.table.expression(input), expressions);
+    let of_input =
+        SettingFormula::one().times_number(factor).times(design.table.expression(input), expressions);
     let (weight, scale) = (design.table.weight(width), design.table.value(input));
     match (of_width, of_input.factor_text()) {
         (Some(width), Some(input)) if weight > 0.0 => format!("{width} / ({width} + {input})").into(),
@@ -156,6 +157,6 @@ fn delay_setting(design: &Design<'_>, time: &Fraction, delay: f64) -> Value {
     if time.as_rational().is_some() {
         return json_number(delay);
     }
-    let product = Product::one().times(time, &design.table.expressions);
+    let product = SettingFormula::one().times(time, &design.table.expressions);
     product.times_time_scale(i32::from(design.time_scale != 1.0)).setting(delay)
 }

@@ -101,9 +101,9 @@ fn the_machine_and_the_time_scale_are_written_if_they_differ_from_the_usual_ones
 fn the_steps_state_the_gain_rule_in_numbers() {
     let steps: Vec<String> = mass_and_spring().synthesis().steps.iter().map(|step| step.text()).collect();
     let expected = [
-        "A1, x': 1 x 0.01 / 0.001 = 10 = 10",
-        "A2, - (k/m) x: 40 x 0.001 / 0.01 = 4 = 10 x 0.4",
-        "A2, - (c/m) x': 0.8 x 0.01 / 0.01 = 0.8 = 1 x 0.8",
+        "A1, x': 1 * 0.01 / 0.001 = 10 = 10",
+        "A2, - (k/m) x: 40 * 0.001 / 0.01 = 4 = 10 * 0.4",
+        "A2, - (c/m) x': 0.8 * 0.01 / 0.01 = 0.8 = 1 * 0.8",
     ];
     assert_eq!(steps, expected);
 }

@@ -1,12 +1,13 @@
 //! The text of constant expressions.
 
+use patchcord_core::circuit::Circuit;
 use patchcord_expr::{Dimension, Formula};
 use serde_json::json;
 
 use super::super::expressions::Expressions;
-use super::super::formula::{Product, json_number};
+use super::super::formula::{SettingFormula, json_number};
 use super::Sketch;
-use crate::symbolic::{Fraction, absolute, opaque, root, step};
+use crate::symbolic::{Fraction, absolute, opaque, root};
 
 /// A problem with some parameters.
 fn sketch() -> Sketch {
@@ -23,7 +24,7 @@ fn text(expression: &str) -> String {
     let sketch = sketch();
     let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
     let exact = sketch.read(expression);
-    let text = Product::one().times(&exact, &expressions).text().unwrap();
+    let text = SettingFormula::one().times(&exact, &expressions).text().unwrap();
     let parsed = Formula::parse(&text).unwrap_or_else(|error| panic!("{text}: {error:?}"));
     let found = parsed.evaluate(sketch.circuit.quantities()).unwrap();
     let expected = expressions.value(&exact);
@@ -93,23 +94,47 @@ fn sums_have_the_factors_that_all_terms_have() {
 fn functions_of_parameters_are_written() {
     let sketch = sketch();
     let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
-    let written = |expression: &Fraction| Product::one().times(expression, &expressions).text();
+    let written = |expression: &Fraction| SettingFormula::one().times(expression, &expressions).text();
     assert_eq!(written(&root(&sketch.read("k q"))).as_deref(), Some("sqrt(k * q)"));
     let difference = sketch.read("r - q");
     assert!(written(&absolute(&difference)).unwrap().starts_with("abs("));
-    // Formulas have no step and no table.
-    assert_eq!(written(&step(&difference)), None);
+    // Formulas have no table.
     assert_eq!(written(&opaque(crate::symbolic::Operation::Table(0), vec![difference])), None);
+}
+
+#[test]
+fn signs_and_steps_of_parameters_are_written() {
+    assert_eq!(text("step(r + q)"), "1");
+    assert_eq!(text("step(r - q)"), "(1 + floor(atan2(min(r - q, 0), abs(r - q))))");
+    for expression in ["step(r - 0.2)", "step(0.2 - r)", "k step(c - 2 m k)", "sign(q - r)", "sign(-r - 1)"] {
+        text(expression);
+    }
+    let patch = sketch().problem.patch;
+    let cases = [
+        ("step(r - q)", 0.3, 1.0),
+        ("step(r - q)", 0.300_000_000_000_000_04, 0.0),
+        ("step(r - q)", 1e300, 0.0),
+        ("step(r - q)", 0.2, 1.0),
+        ("step(-q)", 0.0, 1.0),
+        ("step(-q)", 3e-300, 0.0),
+        ("sign(r - q)", 0.3, 0.0),
+    ];
+    for (expression, q, expected) in cases {
+        let circuit =
+            Circuit::with_parameters(&patch, [("q", q)]).unwrap_or_else(|report| panic!("{report}"));
+        let formula = Formula::parse(&text(expression)).unwrap();
+        assert_eq!(formula.evaluate(circuit.quantities()), Ok(expected), "{expression} at q = {q}");
+    }
 }
 
 #[test]
 fn a_setting_without_a_text_is_a_number() {
     let sketch = sketch();
     let expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
-    let without_text = step(&sketch.read("r - q"));
-    assert_eq!(Product::one().times(&without_text, &expressions).setting(0.25), json!(0.25));
-    assert_eq!(Product::one().over_number(3.0).setting(1.0 / 3.0), json!(0.333333333333333));
-    assert_eq!(Product::one().times(&sketch.read("k"), &expressions).setting(40.0), json!("k"));
+    let without_text = opaque(crate::symbolic::Operation::Table(0), vec![sketch.read("r")]);
+    assert_eq!(SettingFormula::one().times(&without_text, &expressions).setting(0.25), json!(0.25));
+    assert_eq!(SettingFormula::one().over_number(3.0).setting(1.0 / 3.0), json!(0.333333333333333));
+    assert_eq!(SettingFormula::one().times(&sketch.read("k"), &expressions).setting(40.0), json!("k"));
 }
 
 #[test]
@@ -117,12 +142,12 @@ fn equal_factors_cancel_and_the_time_scale_is_last() {
     let sketch = sketch();
     let mut expressions = Expressions::new(&sketch.plan.symbols, &sketch.circuit);
     let [x, y] = ["x", "y"].map(|name| expressions.add_scale(name, Dimension::LENGTH, 0.5));
-    let product = Product::one().times(&sketch.read("k/m"), &expressions);
+    let product = SettingFormula::one().times(&sketch.read("k/m"), &expressions);
     let same = product.clone().times(&x, &expressions).over(&x, &expressions).over_number(10.0);
     assert_eq!(same.text().unwrap(), "k / m / 10");
     let other = product.times(&x, &expressions).over(&y, &expressions).over_number(10.0).times_time_scale(-1);
     assert_eq!(other.text().unwrap(), "k / m * x / y / 10 / time_scale");
-    let reciprocal = Product::one().times(&sketch.read("1/m"), &expressions).times(&x, &expressions);
+    let reciprocal = SettingFormula::one().times(&sketch.read("1/m"), &expressions).times(&x, &expressions);
     assert_eq!(reciprocal.text().unwrap(), "x / m");
 }
 

@@ -192,16 +192,22 @@ fn measured_peaks_outside_50_to_95_volts_change_a_scale() {
 }
 
 #[test]
-fn a_stated_maximum_changes_after_an_overload_only() {
+fn a_stated_maximum_that_is_kept_never_changes() {
     let stated =
         r#""x": {"unit": "mm", "initial": 0, "maximum": 100}, "x'": {"unit": "mm/s", "maximum": 600}"#;
     let sketch = oscillator(stated, 6.0, [0.02, 0.7]);
     let scales = sketch.scales();
     let Sketch { plan, problem, circuit, ranges, .. } = &sketch;
-    let volts = [(NodeId(0), 20.0), (NodeId(1), 100.0)];
-    let improved = improved_scales(plan, problem, circuit, ranges, &options(), &scales, &volts);
-    assert_eq!(improved.per_volt[0], scales.per_volt[0]);
-    assert!(improved.per_volt[1] > scales.per_volt[1], "{improved:?}");
+    let improve = |options: &ScaleOptions, volts: [f64; 2]| {
+        let volts = [(NodeId(0), volts[0]), (NodeId(1), volts[1])];
+        improved_scales(plan, problem, circuit, ranges, options, &scales, &volts).per_volt
+    };
+    for volts in [[20.0, 100.0], [20.0, 80.0]] {
+        assert_eq!(improve(&options(), volts), scales.per_volt);
+    }
+    let free = ScaleOptions { keeps_maxima: false, ..options() };
+    assert!(improve(&free, [20.0, 100.0])[1] > scales.per_volt[1]);
+    assert!(improve(&free, [20.0, 80.0])[0] < scales.per_volt[0]);
 }
 
 #[test]

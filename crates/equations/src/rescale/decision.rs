@@ -1,0 +1,132 @@
+//! The decision of a rescaling: the factor of every output, the gains, and machine seconds per old machine second.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use patchcord_core::circuit::Cord;
+
+use super::laws::{Size, size};
+use super::values::Values;
+use super::wiring::Wiring;
+
+/// What a rescaling changes.
+#[derive(Debug, Clone)]
+pub(super) struct Decision {
+    /// The factor by which the voltage of each output is multiplied.
+    pub factors: Vec<f64>,
+    /// The value of one volt of each scale before, as a multiple of the new one, by the index of the scale.
+    pub scale_factors: BTreeMap<usize, f64>,
+    /// The gain of each cord, by element. Cords without a gain have 1.
+    pub gains: Vec<Vec<f64>>,
+    /// The diode networks whose setting follows their input. Their outputs have the factors of [`factor`].
+    pub adapting: BTreeSet<usize>,
+    /// The pots that are put into cords: the element and the index of its cord, with the setting.
+    pub added: BTreeMap<(usize, usize), f64>,
+    /// Machine seconds per old machine second.
+    pub time: f64,
+}
+
+impl Decision {
+    /// The decision to change nothing.
+    pub(super) fn none(wiring: &Wiring<'_>) -> Self {
+        let gains = |own: &Vec<(usize, Cord)>| own.iter().map(|(_, cord)| cord.gain).collect();
+        Decision {
+            factors: vec![1.0; wiring.len()],
+            scale_factors: BTreeMap::new(),
+            gains: wiring.cords.iter().map(gains).collect(),
+            adapting: BTreeSet::new(),
+            added: BTreeMap::new(),
+            time: 1.0,
+        }
+    }
+}
+
+/// A decision with the wiring and the old values of all formulas.
+#[derive(Clone, Copy)]
+pub(super) struct Decided<'d> {
+    pub wiring: &'d Wiring<'d>,
+    pub old: &'d Values<'d>,
+    pub decision: &'d Decision,
+}
+
+impl Decided<'_> {
+    /// The factor of an output at a point. That of an adapting diode network depends on its setting.
+    pub(super) fn factor(&self, output: usize, point: usize) -> Option<f64> {
+        if !self.decision.adapting.contains(&output) {
+            return Some(self.decision.factors[output]);
+        }
+        let (share, relative) = self.network(output, point)?;
+        let input = self.wiring.source(output, "in").map_or(1.0, |from| self.decision.factors[from]);
+        Some(input * (1.0 + share) / (1.0 + relative * share))
+    }
+
+    /// Of an adapting diode network: r / (1 - r) for its old setting r, and the factor of its input relative to that of
+    /// its biases.
+    fn network(&self, element: usize, point: usize) -> Option<(f64, f64)> {
+        let setting = self.old.value(self.wiring.formula(element, "setting")?, point)?;
+        let source = |input: &str| self.wiring.source(element, input);
+        let factor = |from: Option<usize>| from.map_or(1.0, |from| self.decision.factors[from]);
+        let bias = source("bias_plus").or_else(|| source("bias_minus"));
+        Some((setting / (1.0 - setting), factor(source("in")) / factor(bias)))
+    }
+
+    /// The factor of the biases of an adapting diode network, for the network and for a pot behind it. `None` for other
+    /// elements.
+    pub(super) fn bias_factor(&self, element: usize) -> Option<f64> {
+        let is_adapting = |element: &usize| self.decision.adapting.contains(element);
+        let source = |element: usize, input: &str| self.wiring.source(element, input);
+        let network =
+            Some(element).filter(is_adapting).or_else(|| source(element, "in").filter(is_adapting))?;
+        let bias = source(network, "bias_plus").or_else(|| source(network, "bias_minus"))?;
+        Some(self.decision.factors[bias])
+    }
+
+    /// The wanted value of a setting at a point. `None` if its formula has no value there.
+    pub(super) fn wanted(&self, element: usize, setting: &str, point: usize) -> Option<f64> {
+        let kind = self.wiring.kind(element).name;
+        let old = self.old.value(self.wiring.formula(element, setting)?, point)?;
+        if setting == "setting" && self.wiring.has_reference_ends(element) {
+            return self.between_references(element, old);
+        }
+        if setting == "setting" && self.decision.adapting.contains(&element) {
+            let (share, relative) = self.network(element, point)?;
+            return Some(relative * share / (1.0 + relative * share));
+        }
+        Some(old * self.setting_factor(element, kind, setting, point)?)
+    }
+
+    /// The factor of a setting at a point.
+    pub(super) fn setting_factor(
+        &self,
+        element: usize,
+        kind: &str,
+        setting: &str,
+        point: usize,
+    ) -> Option<f64> {
+        let output = || self.factor(element, point);
+        let input = |name: &str| match self.wiring.source(element, name) {
+            Some(from) => self.factor(from, point),
+            None => Some(1.0),
+        };
+        if setting == "setting" && self.wiring.is_pot(element) {
+            return Some(output()? / input("in")?);
+        }
+        match size(kind, setting) {
+            Size::Fixed => Some(1.0),
+            Size::Output => output(),
+            Size::Input(name) => input(name),
+            Size::PerInput(name) => Some(1.0 / input(name)?),
+            Size::OutputPerInput(name) => Some(output()? / input(name)?),
+            Size::Time => Some(self.decision.time),
+        }
+    }
+
+    /// The setting of a free pot between two references, whose voltage is multiplied by the factor of its output.
+    fn between_references(&self, element: usize, old: f64) -> Option<f64> {
+        let [top, end] = self.wiring.reference_ends(element)?;
+        if top == end {
+            return Some(old);
+        }
+        let wanted = self.decision.factors[element] * (end + old * (top - end));
+        Some((wanted - end) / (top - end))
+    }
+}
