@@ -67,3 +67,29 @@ fn characteristics_are_compared_between_their_corners() {
         assert!(matches!(found, Agreement::Different { .. }), "{gains:?}: {found:?}");
     }
 }
+
+/// A coupling c that is 0 at present. The pot of k/m = 1/3 is set to three digits.
+#[test]
+fn an_equation_is_not_solved_for_a_quantity_whose_factor_is_0() {
+    let patch = json!({
+        "patchcord": 1,
+        "parameters": {
+            "m": {"value": 3, "unit": "kg"}, "c": {"value": 0, "unit": "kg"},
+            "k": {"value": 1, "unit": "kg/s"},
+        },
+        "scales": {"length": {"per_volt": 1, "unit": "mm"}},
+        "equations": ["c x' + m y' = -k y"],
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+            "P1": {"kind": "pot", "in": "A2", "setting": 0.333},
+            "A2": {"kind": "integrator", "in": {"x1": ["P1"]}, "initial": 50},
+        },
+        "signals": {"x": {"at": "A1", "scale": "length"}, "y": {"at": "A2", "scale": "length"}},
+        "run": {"for": 5, "step": 0.01},
+    });
+    let patch = Patch::from_value("patch.json", &patch).unwrap_or_else(|report| panic!("{report}"));
+    let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    let found = compare_equations(&circuit, &program).remove(0).agreement;
+    assert!(matches!(found, Agreement::SolvedAt(_)), "{found:?}");
+}
