@@ -13,6 +13,7 @@ use super::intended::fraction;
 use super::model::{Model, Obstacle};
 use super::numerical::Difference;
 use super::points::{ParameterValues, Point, equal_at_points};
+use super::rounded::without_rounded;
 use super::solution::Solved;
 use super::terms::{DifferenceKind, TermDifference, differences};
 use crate::derive::LawKind;
@@ -313,7 +314,7 @@ impl<'a> Comparison<'a> {
         {
             return Vec::new();
         }
-        found
+        without_rounded(found, point)
     }
 
     /// Whether two expressions are equal at points, also between the corners of characteristics; see

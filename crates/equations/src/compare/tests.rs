@@ -93,3 +93,32 @@ fn an_equation_is_not_solved_for_a_quantity_whose_factor_is_0() {
     let found = compare_equations(&circuit, &program).remove(0).agreement;
     assert!(matches!(found, Agreement::SolvedAt(_)), "{found:?}");
 }
+
+/// How s = 100 sin(0.01 x) agrees with a pot of this setting in front of the sine. 0.5 is right.
+fn sine(setting: f64) -> Agreement {
+    let patch = json!({
+        "patchcord": 1,
+        "scales": {"number": {"per_volt": 1, "unit": "1"}},
+        "equations": ["s = 100 sin(0.01 x)"],
+        "elements": {
+            "A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 50},
+            "P1": {"kind": "pot", "in": "A1", "setting": setting},
+            "F1": {"kind": "sin", "in": "P1", "angle_per_volt": 0.02},
+        },
+        "signals": {"x": {"at": "A1", "scale": "number"}, "s": {"at": "F1", "scale": "number"}},
+        "run": {"for": 5, "step": 0.01},
+    });
+    let patch = Patch::from_value("patch.json", &patch).unwrap_or_else(|report| panic!("{report}"));
+    let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    compare_equations(&circuit, &program).remove(0).agreement
+}
+
+#[test]
+fn settings_in_front_of_functions_may_be_rounded() {
+    assert_eq!(sine(0.5), Agreement::Solved);
+    assert_eq!(sine(0.4998), Agreement::Solved);
+    for setting in [0.49, 0.05] {
+        assert!(matches!(sine(setting), Agreement::Different { .. }), "{setting}");
+    }
+}
