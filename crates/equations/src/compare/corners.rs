@@ -15,8 +15,10 @@ const LINES: usize = 8;
 const MAX_CORNERS: usize = 32;
 /// Volts of the machine at most.
 const FULL_SCALE: f64 = 100.0;
-/// Steps of the search for a zero at most.
-const STEPS: usize = 12;
+/// Secants at most in the search for a zero.
+const SECANTS: usize = 12;
+/// Halvings of the range in the search for a zero.
+const HALVINGS: usize = 40;
 /// Value of an expression at its zero, as a share of the size of its terms.
 const ZERO: f64 = 1e-9;
 /// Distance of two corners that may be one, as a share of their place. Settings are often rounded to three digits.
@@ -92,11 +94,16 @@ impl<'a> Line<'a> {
         intervals.map(|[one, other]| one.midpoint(other)).collect()
     }
 
-    /// The place of a zero of an expression, by secants. `None` if none is found.
+    /// The place of a zero of an expression. `None` if none is found.
     fn zero(&self, expression: &Fraction) -> Option<f64> {
+        self.zero_by_secants(expression).or_else(|| self.zero_by_halving(expression))
+    }
+
+    /// The place of a zero by secants, which are exact for a straight line.
+    fn zero_by_secants(&self, expression: &Fraction) -> Option<f64> {
         let [mut before, mut place] = self.range();
         let mut value_before = value(expression, &self.at(before));
-        for _ in 0..STEPS {
+        for _ in 0..SECANTS {
             let here = value(expression, &self.at(place));
             if here.abs() <= ZERO * term_size(expression, &self.at(place)) {
                 return Some(place);
@@ -108,6 +115,21 @@ impl<'a> Line<'a> {
             (before, value_before, place) = (place, here, next);
         }
         None
+    }
+
+    /// The place of a zero between the ends of the range, if the expression has different signs there.
+    fn zero_by_halving(&self, expression: &Fraction) -> Option<f64> {
+        let is_above = |place: f64| value(expression, &self.at(place)) > 0.0;
+        let [mut low, mut high] = self.range();
+        let sign = is_above(low);
+        if is_above(high) == sign {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = low.midpoint(high);
+            if is_above(middle) == sign { low = middle } else { high = middle }
+        }
+        Some(low.midpoint(high))
     }
 }
 

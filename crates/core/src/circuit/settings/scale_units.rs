@@ -60,9 +60,7 @@ fn corrects(
 ) -> bool {
     let changed = quantities.with_scale(scale, per_volt);
     settings.iter().all(|(row, formula)| match (formula.evaluate(quantities), formula.evaluate(&changed)) {
-        (Ok(before), Ok(after)) => {
-            row.is_allowed(after) && (row.is_allowed(before) || after >= MIN_SETTING)
-        }
+        (Ok(before), Ok(after)) => row.is_allowed(after) && (row.is_allowed(before) || after >= MIN_SETTING),
         // A formula without a value has a finding of its own.
         _ => true,
     })

@@ -61,9 +61,8 @@ fn beginning_at_zero<'p>(panel: &Panel<'p>, element: &str) -> Vec<(&'p str, usiz
     let Some((_, read)) = panel.elements().find(|(name, _)| *name == element) else { return Vec::new() };
     let drivers = panel.circuit.cords(read).into_iter().map(|(from, _)| from);
     let starts: Vec<usize> = if has_start(read) { vec![read] } else { drivers.collect() };
-    let is_wanted = |(name, index): &(&str, usize)| {
-        starts.contains(index) && has_start(*index) && is_at_zero(name)
-    };
+    let is_wanted =
+        |(name, index): &(&str, usize)| starts.contains(index) && has_start(*index) && is_at_zero(name);
     panel.elements().filter(is_wanted).collect()
 }
 
