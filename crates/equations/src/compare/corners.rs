@@ -21,8 +21,10 @@ const SECANTS: usize = 12;
 const HALVINGS: usize = 40;
 /// Value of an expression at its zero, as a share of the size of its terms.
 const ZERO: f64 = 1e-9;
-/// Distance of two corners that may be one, as a share of their place. Settings are often rounded to three digits.
+/// The share by which the terms of an expression at a corner can be wrong. Settings are often rounded to three digits.
 const ROUNDED: f64 = 2e-3;
+/// The smallest interval, as a share of the range.
+const RESOLUTION: f64 = 1e-6;
 
 /// Whether two expressions are equal between the corners of both. `point` is any of the points.
 pub(super) fn are_equal_between_corners(point: Point<'_>, sides: [&Fraction; 2]) -> bool {
@@ -54,15 +56,26 @@ fn quantities(point: &Point<'_>, expressions: &[Fraction]) -> BTreeSet<Symbol> {
 /// The line through a point on which one quantity varies.
 #[derive(Clone, Copy)]
 struct Line<'a> {
+    /// The point.
     point: Point<'a>,
+    /// The quantity that varies.
     quantity: Symbol,
 }
 
 /// A place on a line.
 struct LinePlace<'a> {
+    /// The line.
     line: Line<'a>,
     /// The value of the quantity that varies.
     value: f64,
+}
+
+/// An end of an interval on a line.
+struct End {
+    /// The value of the quantity that varies.
+    place: f64,
+    /// The distance by which it can be wrong.
+    spread: f64,
 }
 
 impl<'a> Line<'a> {
@@ -75,23 +88,32 @@ impl<'a> Line<'a> {
     fn range(&self) -> [f64; 2] {
         match self.point.system.symbols.entry(self.quantity).kind {
             SymbolKind::Time => [0.0, self.point.duration],
-            _ => [-1.0, 1.0].map(|sign| sign * FULL_SCALE * self.point.volt(self.quantity)),
+            _ => [-1.0, 1.0].map(|sign| sign * FULL_SCALE * self.point.volt(self.quantity).abs()),
         }
     }
 
     /// A place between every two neighbouring corners, and one on both sides of all.
     fn places(&self, corners: &[Fraction]) -> Vec<f64> {
         let [low, high] = self.range();
-        let mut ends: Vec<f64> = corners.iter().filter_map(|corner| self.zero(corner)).collect();
-        ends.retain(|place| (low..=high).contains(place));
+        let mut ends: Vec<End> = corners.iter().filter_map(|corner| self.end(corner)).collect();
+        ends.retain(|end| (low..=high).contains(&end.place));
         if ends.is_empty() {
             return Vec::new();
         }
-        ends.extend([low, high]);
-        ends.sort_by(f64::total_cmp);
-        let are_apart = |[one, other]: [f64; 2]| other - one > ROUNDED * one.abs().max(other.abs());
-        let intervals = ends.windows(2).map(|pair| [pair[0], pair[1]]).filter(|pair| are_apart(*pair));
-        intervals.map(|[one, other]| one.midpoint(other)).collect()
+        ends.extend([low, high].map(|place| End { place, spread: RESOLUTION * (high - low) }));
+        ends.sort_by(|one, other| one.place.total_cmp(&other.place));
+        let is_interval = |pair: &&[End]| pair[1].place - pair[0].place > pair[0].spread.max(pair[1].spread);
+        ends.windows(2).filter(is_interval).map(|pair| pair[0].place.midpoint(pair[1].place)).collect()
+    }
+
+    /// The corner at the zero of an expression. `None` if none is found.
+    fn end(&self, expression: &Fraction) -> Option<End> {
+        let place = self.zero(expression)?;
+        let [low, high] = self.range();
+        let near = RESOLUTION * (high - low);
+        let [before, after] = [place - near, place + near].map(|near| value(expression, &self.at(near)));
+        let moved = ROUNDED * term_size(expression, &self.at(place)) * 2.0 * near / (after - before).abs();
+        Some(End { place, spread: near.max(moved) })
     }
 
     /// The place of a zero of an expression. `None` if none is found.
