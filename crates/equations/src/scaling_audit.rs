@@ -5,6 +5,10 @@
 //! factor of the input signal in the equation that is solved for the output signal, or for its derivative if the wiring
 //! has integrators. Wiring about which no equation decides is listed without a required gain.
 
+mod solved_equations;
+
+use std::collections::BTreeSet;
+
 use patchcord_core::circuit::{Circuit, ScalingRow, SignalPoint};
 use patchcord_core::ir::Program;
 use patchcord_expr::split_primes;
@@ -15,6 +19,7 @@ use crate::notation::{primed, text};
 use crate::static_check::stated::{Alias, Stated, aliases};
 use crate::symbolic::{Fraction, partial_derivative};
 use crate::writing::Writer;
+use solved_equations::{Path, Quantity, SolvedEquation, SolvedEquations, solved_for};
 
 /// A gain of the wiring between two scaled signals, and whether it is right.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,20 +111,9 @@ impl AuditedGain {
 /// ```
 pub fn audit_scaling(circuit: &Circuit, program: &Program) -> Vec<AuditedGain> {
     let audit = Audit::new(circuit, program);
-    circuit.scaling().into_iter().map(|row| audit.audited(row)).collect()
-}
-
-/// A quantity: its name and the number of its derivatives.
-type Quantity = (String, usize);
-
-/// An equation that is solved for a quantity.
-struct SolvedEquation {
-    /// The quantity.
-    of: Quantity,
-    /// Its value in the names of the equations.
-    value: Fraction,
-    /// Index of the equation among those of the patch.
-    index: usize,
+    let rows = circuit.scaling();
+    let decisions: Vec<GainDecision> = rows.iter().map(|row| audit.decision(row, &rows)).collect();
+    rows.into_iter().zip(decisions).map(|(row, decision)| AuditedGain { row, decision }).collect()
 }
 
 /// The factor of a signal in a solved equation.
@@ -136,14 +130,12 @@ enum Factor {
 struct Audit<'a> {
     /// The circuit.
     circuit: &'a Circuit,
-    /// The names of the quantities.
-    system: System,
     /// The values of parameters.
     constants: ConstantValues,
     /// The names that equations give to derivatives.
     aliases: Vec<Alias<'a>>,
     /// The solved equations.
-    solved: Vec<SolvedEquation>,
+    equations: SolvedEquations,
 }
 
 impl<'a> Audit<'a> {
@@ -159,30 +151,30 @@ impl<'a> Audit<'a> {
         let Stated { symbols, .. } = stated;
         let system = System::without_laws(symbols);
         let constants = ConstantValues::new(&system.symbols, circuit);
-        Audit { circuit, system, constants, aliases, solved }
+        Audit { circuit, constants, aliases, equations: SolvedEquations { system, solved } }
     }
 
-    /// A row with its decision.
-    fn audited(&self, row: ScalingRow) -> AuditedGain {
-        let decision = self.by_equation(&row).unwrap_or_else(|reason| match row.expected_gain {
+    /// What is known about a row of all rows.
+    fn decision(&self, row: &ScalingRow, rows: &[ScalingRow]) -> GainDecision {
+        self.by_equation(row, rows).unwrap_or_else(|reason| match row.expected_gain {
             Some(gain) => GainDecision::Integral { gain },
             None => GainDecision::Undecided(reason),
-        });
-        AuditedGain { row, decision }
+        })
     }
 
-    /// What an equation says about a row.
+    /// What an equation says about a row of all rows.
     ///
     /// # Errors
     /// The reason if no equation decides.
-    fn by_equation(&self, row: &ScalingRow) -> Result<GainDecision, String> {
+    fn by_equation(&self, row: &ScalingRow, rows: &[ScalingRow]) -> Result<GainDecision, String> {
         if self.circuit.equations().is_empty() {
             return Err("the patch states no equations".to_owned());
         }
         let output = primed(&row.output, row.integrations);
         let mut reason = format!("no stated equation gives {output} as a function of {}", row.input);
+        let inputs = self.inputs(row, rows);
         for (output, input) in self.pairs(row) {
-            match self.factor(&output.name, row.integrations, &input.name) {
+            match self.factor(&output.name, row.integrations, &input.name, &inputs) {
                 Factor::Constant(factor, index) => {
                     let decision = self.required(&factor, index, [output, input], row.integrations);
                     return decision.ok_or_else(|| "a scale has no value".to_owned());
@@ -203,6 +195,14 @@ impl<'a> Audit<'a> {
         outputs.iter().flat_map(|output| inputs.iter().map(move |input| (*output, *input))).collect()
     }
 
+    /// The names of all signals from which the wiring computes the output of a row.
+    fn inputs(&self, row: &ScalingRow, rows: &[ScalingRow]) -> BTreeSet<&str> {
+        let same = rows
+            .iter()
+            .filter(|other| (&other.output, other.integrations) == (&row.output, row.integrations));
+        same.flat_map(|other| self.points_at(&other.input)).map(|point| point.name.as_str()).collect()
+    }
+
     /// The scaled signals at the output that a signal reads, this signal first.
     fn points_at(&self, name: &str) -> Vec<&SignalPoint> {
         let points = self.circuit.signals();
@@ -215,20 +215,27 @@ impl<'a> Audit<'a> {
 
     /// The factor of an input signal in the equation for a derivative of an output signal. If there is none, both may be
     /// differentiated once more: an equation for x' can contain the derivative of a drive.
-    fn factor(&self, output: &str, order: usize, input: &str) -> Factor {
-        match self.factor_of(output, order, input, 0) {
-            Factor::Absent => self.factor_of(output, order + 1, input, 1),
+    fn factor(&self, output: &str, order: usize, input: &str, inputs: &BTreeSet<&str>) -> Factor {
+        match self.factor_of((output, order), (input, 0), inputs) {
+            Factor::Absent => self.factor_of((output, order + 1), (input, 1), inputs),
             found => found,
         }
     }
 
     /// The factor of an input signal with this number of derivatives in the equation for a derivative of an output
     /// signal.
-    fn factor_of(&self, output: &str, order: usize, input: &str, derivatives: u8) -> Factor {
+    fn factor_of(
+        &self,
+        (output, order): (&str, usize),
+        (input, derivatives): (&str, u8),
+        inputs: &BTreeSet<&str>,
+    ) -> Factor {
         let canonical = canonical(&self.aliases, output, order);
-        let same = self.solved.iter().filter(|equation| equation.of == canonical);
-        let same = same.map(|equation| (equation.value.clone(), equation.index));
-        let Some(input) = self.system.symbols.find(input, derivatives) else { return Factor::Absent };
+        let Some(input) = self.equations.system.symbols.find(input, derivatives) else {
+            return Factor::Absent;
+        };
+        let path = self.equations.symbol(&canonical).map(|of| Path { of, input, inputs });
+        let same = path.into_iter().flat_map(|path| self.equations.values(path));
         let mut is_varying = false;
         for (value, index) in same.chain(self.alias_value(output, order, &canonical)) {
             let factor = partial_derivative(&value, input);
@@ -246,9 +253,8 @@ impl<'a> Audit<'a> {
         if *canonical == (output.to_owned(), order) {
             return None;
         }
-        let (name, order) = canonical;
-        let symbol = self.system.symbols.find(name, u8::try_from(*order).ok()?)?;
-        let alias = self.aliases.iter().find(|alias| alias.name == name)?;
+        let symbol = self.equations.symbol(canonical)?;
+        let alias = self.aliases.iter().find(|alias| alias.name == canonical.0)?;
         Some((Fraction::symbol(symbol), alias.index))
     }
 
@@ -263,7 +269,7 @@ impl<'a> Audit<'a> {
         let [output, input] = [self.per_volt(output)?, self.per_volt(input)?];
         let time = self.circuit.time_scale().powi(i32::try_from(integrations).ok()?);
         let gain = input * self.constants.value(factor) / output / time;
-        let writer = Writer::new(self.circuit, &self.system);
+        let writer = Writer::new(self.circuit, &self.equations.system);
         let block = text(&writer.expression(factor, writer.dimension(factor)));
         gain.is_finite().then_some(GainDecision::Equation { index, block, gain })
     }
@@ -301,8 +307,8 @@ fn renamed(stated: &mut Stated<'_>, aliases: &[Alias<'_>], value: &Fraction) -> 
     })
 }
 
-/// An equation solved for the quantity with the most primes on its left, or else on its right. `None` if it is not
-/// linear in it. `residual` is the equation as an expression that is 0, with every quantity under its last name.
+/// An equation for the quantity with the most primes on its left, or else on its right. `None` if it is not linear in
+/// it. `residual` is the equation as an expression that is 0, with every quantity under its last name.
 fn solved_equation(
     circuit: &Circuit,
     stated: &mut Stated<'_>,
@@ -316,12 +322,8 @@ fn solved_equation(
     let (base, order) = split_primes(names.first()?);
     let of = canonical(aliases, base, order);
     let symbol = stated.symbol(&of.0, of.1);
-    let slope = partial_derivative(residual, symbol);
-    if slope.is_zero() || slope.contains(&mut |other| other == symbol) {
-        return None;
-    }
-    let value = Fraction::symbol(symbol).minus(&residual.over(&slope));
-    (!value.contains(&mut |other| other == symbol)).then_some(SolvedEquation { of, value, index })
+    solved_for(residual, symbol)?;
+    Some(SolvedEquation { of, residual: residual.clone(), index })
 }
 
 #[cfg(test)]

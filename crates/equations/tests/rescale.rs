@@ -185,6 +185,23 @@ fn the_signals_stay_in_physical_units() {
     }
 }
 
+/// An exact comparison of the patches would need an amplification above 1e9.
+#[test]
+fn open_amplifiers_may_have_the_largest_amplification() {
+    let names = ["A2", "A3", "A4"];
+    let lesson = shipped("lessons/square-root-and-division");
+    let edits = names.map(|name| Edit::at(["elements", name, "amplification"], json!(1e9)));
+    let patch = lesson.with_edits(lesson.file(), &edits).unwrap_or_else(|error| panic!("{error}"));
+    let rescaled = rescaled(&patch, None);
+    assert!(!rescaled.changes.is_empty());
+    for name in names {
+        let element = &rescaled.patch.value()["elements"][name];
+        assert_eq!(element["amplification"].as_f64(), Some(1e9), "{name}");
+    }
+    check_equations(&patch, &rescaled.patch);
+    check_same_signals(&patch, &rescaled.patch, rescaled.agrees_until.unwrap(), OPEN_TOLERANCE);
+}
+
 #[test]
 fn a_patch_with_good_scales_stays_as_it_is() {
     let patch = misscaled(&CASES[0]);

@@ -385,10 +385,7 @@ fn available_gains(machine: &MachineModel, kind: &Kind) -> &'static [f64] {
 ///
 /// Outputs of a macro's instance may remain unused if at least one output of the instance is used.
 fn warn_of_unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) {
-    let read_by_signals = patch.signals.values().map(|signal| &signal.element);
-    let drawn = patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
-    let named = read_by_signals.chain(&patch.record).chain(drawn).map(|name| name.value.as_str());
-    let named: HashSet<&str> = named.chain(phases::relays(patch)).collect();
+    let named = read_by_name(patch);
     let outputs = macros::outputs(patch);
     for index in graph.node_indices() {
         let element = &graph[index];
@@ -402,6 +399,14 @@ fn warn_of_unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) 
     for (name, span) in macros::unused_instances(patch, graph, &named) {
         findings.push(unused_output(name, span));
     }
+}
+
+/// The names of the outputs that signals, the record, pictures and phases read.
+pub(super) fn read_by_name(patch: &Patch) -> HashSet<&str> {
+    let read_by_signals = patch.signals.values().map(|signal| &signal.element);
+    let drawn = patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
+    let named = read_by_signals.chain(&patch.record).chain(drawn).map(|name| name.value.as_str());
+    named.chain(phases::relays(patch)).collect()
 }
 
 /// The warning about an element or an instance that is not used.

@@ -125,6 +125,12 @@ impl Quantities {
         varied
     }
 
+    /// The same quantities with another value of one scale, in SI units per volt. Scales that depend on it keep theirs.
+    pub(super) fn with_scale(&self, scale: usize, per_volt: f64) -> VariedQuantities<'_> {
+        let (name, _) = self.derived(scale);
+        VariedQuantities { quantities: self, changed: HashMap::from([(name, Some(per_volt))]) }
+    }
+
     /// The values of the parameters in their declared units, in the order of the patch. NaN if a value is unknown.
     pub(super) fn parameter_values(&self) -> impl Iterator<Item = f64> {
         self.parameters.values().map(|quantity| quantity.unit.out_of_si(quantity.value.unwrap_or(f64::NAN)))

@@ -8,9 +8,8 @@
 //! setting ends its check. Relations between settings, such as an upper limit above the lower one, are checked last.
 
 mod ranges;
-
-use petgraph::Direction;
-use petgraph::graph::NodeIndex;
+mod rates;
+mod scale_units;
 
 use super::macros;
 use super::resolve::Graph;
@@ -25,6 +24,7 @@ use crate::patch::{Amount, ElementEntry, Patch, is_time};
 use patchcord_expr::{Dimension, Formula, FormulaDimension, Unit};
 
 pub use ranges::{RangeCheck, RangeFault};
+use rates::before_integrators;
 
 /// Whether all cords of the patch are in the graph.
 #[derive(Clone, Copy, PartialEq)]
@@ -43,7 +43,8 @@ pub(super) fn check(
     cords: Cords,
     findings: &mut Vec<Diagnostic>,
 ) {
-    let before_integrators = before_integrators(graph, cords);
+    let before_integrators = before_integrators(patch, graph, cords);
+    let first = findings.len();
     // The graph has the references first, then drives and elements in the order of the document.
     let nodes = graph.node_indices().skip(REFERENCES.len());
     for (index, (name, entry)) in nodes.zip(patch.drives.iter().chain(&patch.elements)) {
@@ -54,31 +55,7 @@ pub(super) fn check(
         checker.check_all(findings);
         macros::add_name(patch, name, &mut findings[reported..]);
     }
-}
-
-/// For every element, whether it is a pot that drives an integrator, directly or through other pots.
-///
-/// The setting of such a pot may be a rate in 1/s. If cords are missing, every pot without a cord counts as well.
-fn before_integrators(graph: &Graph, cords: Cords) -> Vec<bool> {
-    let has_transfer = |index: NodeIndex, transfer| graph[index].kind.transfer == transfer;
-    let may_lack_cord = |index: &NodeIndex| {
-        cords == Cords::Incomplete
-            && has_transfer(*index, Transfer::Share)
-            && graph.neighbors(*index).next().is_none()
-    };
-    let mut drives_integrator = vec![false; graph.node_count()];
-    let mut unvisited: Vec<_> = graph.node_indices().filter(may_lack_cord).collect();
-    unvisited.iter().for_each(|index| drives_integrator[index.index()] = true);
-    unvisited.extend(graph.node_indices().filter(|index| has_transfer(*index, Transfer::Integrating)));
-    while let Some(index) = unvisited.pop() {
-        let drivers = graph.neighbors_directed(index, Direction::Incoming);
-        for driver in drivers.filter(|driver| has_transfer(*driver, Transfer::Share)) {
-            if !std::mem::replace(&mut drives_integrator[driver.index()], true) {
-                unvisited.push(driver);
-            }
-        }
-    }
-    drives_integrator
+    scale_units::explain(patch, quantities, &mut findings[first..]);
 }
 
 /// Checks the settings of one element or drive.

@@ -12,7 +12,8 @@ use super::expansions::TimeLaws;
 use super::intended::fraction;
 use super::model::{Model, Obstacle};
 use super::numerical::Difference;
-use super::points::{ParameterValues, Point, equal_at_points};
+use super::points::{ParameterValues, Point, ROUNDING, equal_at_points};
+use super::rounded::without_rounded;
 use super::solution::Solved;
 use super::terms::{DifferenceKind, TermDifference, differences};
 use crate::derive::LawKind;
@@ -323,14 +324,14 @@ impl<'a> Comparison<'a> {
         {
             return Vec::new();
         }
-        found
+        without_rounded(found, point)
     }
 
     /// Whether two expressions are equal at points, see [`equal_at_points`], and within short intervals.
     fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
         let point = self.point(parameters);
         let are_equal = equal_at_points(point, sides)?;
-        Some(are_equal && equal_between_corners(point, sides))
+        Some(are_equal && equal_between_corners(point, sides, ROUNDING))
     }
 
     /// A point with these values of the parameters.

@@ -55,18 +55,20 @@ impl Interval<'_> {
         high - low > share * low.abs().max(high.abs()) && self.length() > SHORTEST
     }
 
-    /// Whether two expressions are equal where both have a value.
-    fn has_equal(&self, sides: [&Fraction; 2]) -> bool {
+    /// Whether two expressions are equal, up to this share of their terms, where both have a value.
+    fn has_equal(&self, sides: [&Fraction; 2], tolerance: f64) -> bool {
         let [low, high] = self.ends;
         PLACES.iter().all(|place| {
             let at = [low + place * (high - low)];
-            equal_at(&TrialValues::new(from_ref(&self.symbol), &at, &self.point), sides) != Some(false)
+            let values = TrialValues::new(from_ref(&self.symbol), &at, &self.point);
+            equal_at(&values, sides, tolerance) != Some(false)
         })
     }
 }
 
-/// Whether two expressions are equal between all corners of both. `point` is any of the points.
-pub(super) fn equal_between_corners(point: Point<'_>, sides: [&Fraction; 2]) -> bool {
+/// Whether two expressions are equal between all corners of both, up to this share of their terms. `point` is any of the
+/// points.
+pub(super) fn equal_between_corners(point: Point<'_>, sides: [&Fraction; 2], tolerance: f64) -> bool {
     let functions = sides.map(corner_functions);
     let mut found: Vec<Interval<'_>> = Vec::new();
     for point in points(point).take(BASES) {
@@ -77,7 +79,7 @@ pub(super) fn equal_between_corners(point: Point<'_>, sides: [&Fraction; 2]) -> 
         found.extend(intervals(point, &with_ends_of_ranges(point, corners), TOLERANCE));
     }
     found.sort_by(|one, other| one.length().total_cmp(&other.length()));
-    found.iter().take(MAX_INTERVALS).all(|interval| interval.has_equal(sides))
+    found.iter().take(MAX_INTERVALS).all(|interval| interval.has_equal(sides, tolerance))
 }
 
 /// Values of quantities, by quantity.

@@ -15,6 +15,7 @@ pub(crate) mod intended;
 mod model;
 mod numerical;
 mod points;
+mod rounded;
 mod solution;
 mod terms;
 mod wording;

@@ -12,7 +12,7 @@ const POINTS: u32 = 64;
 /// Points at which both expressions must have a value.
 pub(super) const MIN_POINTS: u32 = 8;
 /// Difference of two equal expressions by rounding, as a share of the sum of their terms.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 /// The golden ratio, whose multiples have irregular fractions.
 pub(crate) const GOLDEN: f64 = 1.618_033_988_749_895;
 
@@ -75,7 +75,7 @@ pub(super) fn points(point: Point<'_>) -> impl Iterator<Item = Point<'_>> {
 pub(super) fn equal_at_points(point: Point<'_>, sides: [&Fraction; 2]) -> Option<bool> {
     let mut compared = 0;
     for point in points(point) {
-        match equal_at(&point, sides) {
+        match equal_at(&point, sides, ROUNDING) {
             Some(true) => compared += 1,
             Some(false) => return Some(false),
             None => {}
@@ -84,14 +84,14 @@ pub(super) fn equal_at_points(point: Point<'_>, sides: [&Fraction; 2]) -> Option
     (compared >= MIN_POINTS).then_some(true)
 }
 
-/// Whether two expressions have equal values. `None` if one has no value.
-pub(super) fn equal_at(values: &dyn Values, [first, second]: [&Fraction; 2]) -> Option<bool> {
+/// Whether two expressions have values that are equal up to this share of their terms. `None` if one has no value.
+pub(super) fn equal_at(values: &dyn Values, [first, second]: [&Fraction; 2], tolerance: f64) -> Option<bool> {
     let [one, other] = [first, second].map(|fraction| value(fraction, values));
     if !(one.is_finite() && other.is_finite()) {
         return None;
     }
     let size = term_size(first, values) + term_size(second, values);
-    let is_different = (one - other).abs() > ROUNDING * size;
+    let is_different = (one - other).abs() > tolerance * size;
     Some(!is_different)
 }
 
@@ -102,8 +102,7 @@ pub(crate) fn other_value(present: f64, index: usize) -> f64 {
 }
 
 impl Point<'_> {
-    /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point, so that corners of
-    /// characteristics lie between them.
+    /// A value for a quantity that varies. Most are some volts; the sizes differ from point to point.
     fn variable(&self, symbol: Symbol) -> f64 {
         let share = 2.0 * golden_place(u64::from(self.index) + u64::from(symbol.index)) - 1.0;
         let volts = share * 10f64.powi(self.index as i32 % 3);

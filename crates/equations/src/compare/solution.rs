@@ -7,8 +7,9 @@ use patchcord_expr::{Dimension, Equation, split_primes};
 use super::comparison::Comparison;
 use super::intended::fraction;
 use super::model::Obstacle;
+use super::points::ParameterValues;
 use crate::derive::LawKind;
-use crate::symbolic::{Atom, Fraction, Symbol, partial_derivative};
+use crate::symbolic::{Atom, Fraction, Symbol, partial_derivative, value};
 
 /// An equation that is solved for a quantity.
 pub(super) struct Solved {
@@ -21,13 +22,36 @@ pub(super) struct Solved {
 }
 
 impl Comparison<'_> {
-    /// An equation solved for the name with the most primes on the left, in the names of the equation. `None` if it is
-    /// not linear in this name.
+    /// An equation solved for the name with the most primes on the left, in the names of the equation. If the factor of
+    /// this name is 0 for the present parameters, as that of a coupling can be, another name is taken if possible. `None`
+    /// if the equation is not linear in the first name.
     pub(super) fn solved(&mut self, equation: &Equation) -> Result<Option<Solved>, Obstacle> {
         let mut names = equation.names();
         names.retain(|name| self.is_variable(name));
         names.sort_by_key(|name| std::cmp::Reverse(split_primes(name).1));
-        let Some(name) = names.first().map(|name| (*name).to_owned()) else { return Ok(None) };
+        let Some((first, others)) = names.split_first() else { return Ok(None) };
+        let found = self.solved_for(equation, first)?;
+        if found.as_ref().is_none_or(|solved| self.has_factor(solved)) {
+            return Ok(found);
+        }
+        for name in others {
+            if let Ok(Some(solved)) = self.solved_for(equation, name)
+                && self.has_factor(&solved)
+            {
+                return Ok(Some(solved));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether the factor of the quantity for which an equation is solved is not 0 for the present parameters.
+    fn has_factor(&self, solved: &Solved) -> bool {
+        value(&solved.slope, &self.point(ParameterValues::Present)) != 0.0
+    }
+
+    /// An equation solved for one of its names. `None` if it is not linear in this name.
+    fn solved_for(&mut self, equation: &Equation, name: &str) -> Result<Option<Solved>, Obstacle> {
+        let name = name.to_owned();
         let unknown = self.model.system.symbols.variable(&name, 0, Dimension::NONE);
         let kept = self.kept(equation, &name);
         let [left, right] = [equation.left(), equation.right()].map(|side| {

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use super::cords::{changed_jacks, jack_name, new_pot_name, written_source};
 use super::decision::{Decided, Decision};
-use super::exact::exact_amplifications;
+use super::exact::{ExactAmplifications, exact_amplifications};
 use super::formulas::{Retuned, Retuning};
 use super::laws::{Size, necessary_input, size};
 use super::rules::{cord_rule, pot_rule};
@@ -48,9 +48,10 @@ pub struct ChangedSetting {
 /// A rescaled patch.
 pub(super) struct Edited {
     pub patch: Patch,
-    /// The same patch, in which open amplifiers have the amplification with which all voltages are exact multiples of the
-    /// old ones. The amplifiers of the machine keep theirs, so their small errors change.
-    pub exact: Patch,
+    /// The old patch and the new one with other open amplifiers, so that all voltages of the new one are exact multiples
+    /// of the old ones. The amplifiers of the machine keep their amplification, so their small errors change. `None` if
+    /// the patch is the same.
+    pub exact: [Option<Patch>; 2],
     pub changes: Vec<ChangedSetting>,
 }
 
@@ -359,14 +360,15 @@ impl Editing<'_> {
         let mut edits: Vec<Edit> = self.edits.iter().filter_map(edit).collect();
         let with = |edits: &[Edit]| patch.with_edits(patch.file(), edits).map_err(|error| error.to_string());
         let rescaled = with(&edits)?;
-        let amplifications = exact_amplifications(&self.decided);
-        let exact = if amplifications.is_empty() {
-            rescaled.clone()
+        let ExactAmplifications { old, new } = exact_amplifications(&self.decided);
+        let old = if old.is_empty() { None } else { Some(with(&old)?) };
+        let exact = if new.is_empty() {
+            None
         } else {
-            edits.extend(amplifications);
-            with(&edits)?
+            edits.extend(new);
+            Some(with(&edits)?)
         };
-        Ok(Edited { patch: rescaled, exact, changes: self.changes })
+        Ok(Edited { patch: rescaled, exact: [old, exact], changes: self.changes })
     }
 }
 

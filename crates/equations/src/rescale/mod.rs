@@ -252,12 +252,11 @@ fn finished(
     model: Option<&Model<'_>>,
     runs: usize,
 ) -> Result<RescaledPatch, RescaleError> {
-    let verified = if edited.exact.text() == edited.patch.text() {
-        verify(original, measured, decided)
-    } else {
-        verify(original, &Measured::new(&edited.exact, RescaleError::Faults)?, decided)
-    };
-    let agrees_until = verified.map_err(RescaleError::Differs)?;
+    let exact = |patch: &Patch| Measured::new(patch, RescaleError::Faults);
+    let [old, new] = edited.exact.each_ref().map(|patch| patch.as_ref().map(exact).transpose());
+    let (exact_old, exact_new) = (old?, new?);
+    let pair = [exact_old.as_ref().unwrap_or(original), exact_new.as_ref().unwrap_or(measured)];
+    let agrees_until = verify(pair[0], pair[1], decided).map_err(RescaleError::Differs)?;
     Ok(RescaledPatch {
         scales: scale_rows(decided.wiring, measured),
         outputs: output_rows(decided, original, measured, model),

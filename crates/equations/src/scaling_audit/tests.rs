@@ -128,3 +128,51 @@ fn an_equation_with_the_derivative_of_a_drive_decides() {
     let GainDecision::Equation { block, .. } = spring.decision else { panic!("spring_force = K x_error") };
     assert_eq!(block, "K");
 }
+
+/// Two equations with both unknowns: u = e - a y and e = w - b u, so u = (w - a y)/(1 + b) and e = (w + a b y)/(1 + b).
+/// Also T y' = u - y. The wiring has the solutions.
+fn simultaneous() -> Value {
+    json!({
+        "patchcord": 1,
+        "parameters": {
+            "a": {"value": 0.5, "unit": "1"}, "b": {"value": 0.25, "unit": "1"},
+            "T": {"value": 1, "unit": "s"},
+        },
+        "scales": {
+            "u": {"per_volt": 0.05, "unit": "V"}, "e": {"per_volt": 0.04, "unit": "V"},
+            "y": {"per_volt": 0.025, "unit": "V"}, "w": {"per_volt": 0.05, "unit": "V"},
+        },
+        "drives": {"w": {"kind": "step", "scale": "w", "height": 4}},
+        "equations": ["u = e - a y", "e = w - b u", "T y' = u - y"],
+        "elements": {
+            "P1": {"kind": "pot", "in": "w", "setting": "w / u / (1 + b)"},
+            "P2": {"kind": "pot", "in": "A1", "setting": "a / (1 + b) * y / u"},
+            "B1": {"kind": "summer", "in": {"x1": ["P1", "P2"]}, "note": "- u"},
+            "P3": {"kind": "pot", "in": "w", "setting": "w / e / (1 + b)"},
+            "P4": {"kind": "pot", "in": "B3", "setting": "a * b / (1 + b) * y / e"},
+            "B2": {"kind": "summer", "in": {"x1": ["P3", "P4"]}, "note": "- e"},
+            "B3": {"kind": "inverter", "in": "A1", "note": "y"},
+            "P5": {"kind": "pot", "in": "B4", "setting": "u / y / T / 10"},
+            "B4": {"kind": "inverter", "in": "B1", "note": "u"},
+            "P6": {"kind": "pot", "in": "A1", "setting": "1 / T"},
+            "A1": {"kind": "integrator", "in": {"x10": ["P5"], "x1": ["P6"]}, "note": "- y"},
+        },
+        "signals": {
+            "u": {"at": "B1", "scale": "u", "factor": -1}, "e": {"at": "B2", "scale": "e", "factor": -1},
+            "y": {"at": "A1", "scale": "y", "factor": -1},
+        },
+    })
+}
+
+#[test]
+fn unknowns_of_simultaneous_equations_are_eliminated() {
+    let gains = audit(&simultaneous());
+    for (input, output) in [("w", "u"), ("y", "u"), ("w", "e"), ("y", "e"), ("u", "y"), ("y", "y")] {
+        let gain = gain(&gains, input, output);
+        assert!(matches!(gain.decision, GainDecision::Equation { .. }), "{gain:?}");
+        assert_error(&gain, 0.0);
+    }
+    let mut patch = simultaneous();
+    patch["elements"]["P4"]["in"] = json!("A1");
+    assert_error(&gain(&audit(&patch), "y", "e"), -2.0);
+}

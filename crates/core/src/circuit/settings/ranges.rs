@@ -247,7 +247,7 @@ impl<'c> Subject<'c> {
 }
 
 /// The settings of an element or drive that are formulas.
-fn formulas(entry: &ElementEntry) -> impl Iterator<Item = (&'static Setting, &Formula)> {
+pub(super) fn formulas(entry: &ElementEntry) -> impl Iterator<Item = (&'static Setting, &Formula)> {
     let amounts = entry.settings.iter().map(|placed| placed.as_ref().map(|placed| &placed.value));
     entry.kind.settings.iter().zip(amounts).filter_map(|(row, amount)| match amount? {
         Amount::Formula(formula) => Some((row, formula)),

@@ -80,6 +80,60 @@ fn a_rate_in_front_of_an_inverter_is_moved_behind_it() {
     assert!(hint.starts_with("a pot that drives an integrator may be set to a rate"), "{hint}");
 }
 
+/// The cord that is missing is the fault, not the unit.
+#[test]
+fn a_pot_whose_output_nothing_uses_may_be_set_to_a_rate() {
+    let codes = |signal: &str| -> Vec<Code> {
+        let patch = PatchBuilder::new("missing cord")
+            .parameter("w", 0.5, "1/s", [0.1, 1.0])
+            .scale("volt", 1.0, "V")
+            .element("P", ElementBuilder::new("pot").cord("in", "A").set("setting", "w"))
+            .element("A", ElementBuilder::new("integrator").cords("x1", ["+100"]))
+            .signal("s", signal, "volt", 1.0);
+        let findings = match Circuit::new(&patch.build().unwrap()) {
+            Ok(circuit) => circuit.warnings().findings,
+            Err(report) => report.findings,
+        };
+        findings.iter().map(|finding| finding.code).collect()
+    };
+    assert_eq!(codes("A"), [Code::UNUSED_ELEMENT]);
+    assert_eq!(codes("P"), [Code::UNIT_MISMATCH]);
+}
+
+/// The hints for settings outside 0 ... 1 of a mass on a spring. x'' = -k x with 64 mm, 10 mm/s per V; `position` is the
+/// unit of the position, and `divisor` a factor of the setting of the spring.
+fn spring_hints(position: &str, divisor: f64) -> Vec<String> {
+    let pot = |from: &str, setting: &str| ElementBuilder::new("pot").cord("in", from).set("setting", setting);
+    let spring = format!("k * position / velocity / {divisor}");
+    let patch = PatchBuilder::new("spring")
+        .parameter("k", 40.0, "1/s2", [10.0, 50.0])
+        .scale("position", 1.0, position)
+        .scale("velocity", 10.0, "mm/s")
+        .element("PK", pot("B", &spring))
+        .element("V", ElementBuilder::new("integrator").cords("x10", ["PK"]))
+        .element("PV", pot("V", "velocity / position / 10"))
+        .element("X", ElementBuilder::new("integrator").cords("x10", ["PV"]))
+        .element("B", ElementBuilder::new("inverter").cord("in", "X"))
+        .signal("x", "B", "position", 1.0);
+    let report = Circuit::new(&patch.build().unwrap()).err();
+    let findings = report.map_or(vec![], |report| report.findings);
+    let outside = findings.into_iter().filter(|finding| finding.code == Code::SETTING_OUTSIDE);
+    outside.filter_map(|finding| finding.hint).collect()
+}
+
+#[test]
+fn a_wrong_unit_of_a_scale_is_named_behind_settings_outside_their_range() {
+    assert!(spring_hints("mm", 10.0).is_empty());
+    // With 1 m per V, the setting of the spring is 400, and that behind the velocity 0.001.
+    let expected = "is the unit of a scale wrong? All settings are within 0 ... 1 if 1 V of the scale \
+                    position is 0.001 m in place of 1 m, or if 1 V of the scale velocity is 10000 mm/s in place \
+                    of 10 mm/s";
+    assert_eq!(spring_hints("m", 10.0), [expected]);
+    // A missing divisor of 10 is no wrong unit.
+    let expected = "divide it by 10 and use an input with 10 times the gain, or rescale";
+    assert_eq!(spring_hints("mm", 1.0), [expected]);
+}
+
 #[test]
 fn an_angle_is_no_number_of_volts() {
     let initial = |value: &str| {

@@ -4,6 +4,7 @@ mod cords;
 mod gains;
 mod scales;
 mod settings;
+mod starts;
 
 use super::change::Change;
 use super::panel::Panel;
@@ -73,6 +74,7 @@ pub(super) fn candidates(panel: &Panel<'_>, factors: &[f64]) -> Vec<Candidate> {
     candidates.gains();
     candidates.cords();
     candidates.settings(factors);
+    candidates.starts();
     candidates.scales(factors);
     let mut found = candidates.found;
     found.sort_by_key(|candidate| candidate.cost);

@@ -41,7 +41,13 @@ impl Candidates<'_, '_> {
     }
 
     /// Adds a value of an element, unless it is the present one.
-    fn set(&mut self, cost: u32, (name, part): (&str, Part), key: &str, [present, value]: [&Value; 2]) {
+    pub(super) fn set(
+        &mut self,
+        cost: u32,
+        (name, part): (&str, Part),
+        key: &str,
+        [present, value]: [&Value; 2],
+    ) {
         if present == value {
             return;
         }
@@ -154,7 +160,7 @@ fn similar_names<'p>(panel: &'p Panel<'_>, name: &str) -> Vec<&'p str> {
 }
 
 /// The value of a number or formula of the document in SI. `None` if it has none.
-fn present_value(panel: &Panel<'_>, value: &Value) -> Option<f64> {
+pub(super) fn present_value(panel: &Panel<'_>, value: &Value) -> Option<f64> {
     match value.as_str() {
         Some(text) => Formula::parse(text).ok()?.evaluate(panel.circuit.quantities()).ok(),
         None => value.as_f64(),
