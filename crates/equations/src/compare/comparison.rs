@@ -7,7 +7,7 @@ use patchcord_core::ir::Program;
 use patchcord_expr::{Equation, split_primes};
 
 use super::corners::equal_between_corners;
-use super::delays::with_delay_times;
+use super::delays::{with_delay_times, with_delay_variables};
 use super::expansions::TimeLaws;
 use super::intended::fraction;
 use super::model::{Model, Obstacle};
@@ -327,9 +327,12 @@ impl<'a> Comparison<'a> {
         without_rounded(found, point)
     }
 
-    /// Whether two expressions are equal at points, see [`equal_at_points`], and within short intervals.
+    /// Whether two expressions are equal at points, see [`equal_at_points`], and within short intervals. Delays can have any
+    /// values there.
     fn are_equal(&self, parameters: ParameterValues, sides: [&Fraction; 2]) -> Option<bool> {
         let point = self.point(parameters);
+        let with_variables = with_delay_variables(sides, &point, &self.model.delayed);
+        let sides = with_variables.as_ref().map_or(sides, |sides| sides.each_ref());
         let are_equal = equal_at_points(point, sides)?;
         Some(are_equal && equal_between_corners(point, sides, ROUNDING))
     }

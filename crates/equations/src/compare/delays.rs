@@ -1,7 +1,7 @@
 //! Delays by constant times. Two of them are equal for given parameters if their times are.
 
 use super::terms::TOLERANCE;
-use crate::symbolic::{Atom, Fraction, Operation, Values, delay, value};
+use crate::symbolic::{Atom, Fraction, Operation, Symbol, Values, delay, value};
 
 /// Two expressions in which the constant times of delays are numbers for given parameters. Times that agree are the same
 /// number. `None` if there is no delay by a constant time.
@@ -9,6 +9,32 @@ pub(super) fn with_delay_times(sides: [&Fraction; 2], parameters: &dyn Values) -
     let mut times = Vec::new();
     let replaced = sides.map(|side| with_times(side, &mut times, parameters));
     (!times.is_empty()).then_some(replaced)
+}
+
+/// Two expressions in which variables stand for the values of delays. Delays of one value by one time have one variable.
+/// `None` if there is no delay, if one has a time that varies, or if there are more than variables.
+pub(super) fn with_delay_variables(
+    sides: [&Fraction; 2],
+    parameters: &dyn Values,
+    variables: &[Symbol],
+) -> Option<[Fraction; 2]> {
+    let sides = with_delay_times(sides, parameters)?;
+    let (mut known, mut is_complete) = (Vec::new(), true);
+    let replaced = sides.map(|side| {
+        side.with_factors(&mut |atom| {
+            let Atom::Apply(applied) = atom else { return None };
+            if applied.operation != Operation::Delay {
+                return None;
+            }
+            let index = known.iter().position(|other| *other == *applied).unwrap_or_else(|| {
+                known.push(applied.clone());
+                known.len() - 1
+            });
+            is_complete &= index < variables.len();
+            variables.get(index).map(|variable| Fraction::symbol(*variable))
+        })
+    });
+    is_complete.then_some(replaced)
 }
 
 /// An expression in which the constant times of delays are numbers. `times` are those that occurred before.

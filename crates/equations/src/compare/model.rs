@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
-use patchcord_expr::{Equation, Expression, Node};
+use patchcord_expr::{Dimension, Equation, Expression, Node};
 
 use super::expanded::AuxiliaryValue;
 use super::expansions::{Expansions, TimeLaws};
@@ -14,6 +14,9 @@ use crate::derive::{
     Law, LawKind, ModeLaw, Options, System, Wiring, derive, ramps, simplified, without_unnamed_ramps,
 };
 use crate::symbolic::{Fraction, Symbol, SymbolKind, derivative, step};
+
+/// Delays in an equation for whose values there are variables.
+const MAX_DELAYS: usize = 8;
 
 /// A wiring with the quantities that its equations can name.
 pub(crate) struct Model<'a> {
@@ -37,6 +40,8 @@ pub(crate) struct Model<'a> {
     derived_laws: usize,
     /// The states with limits whose rates were used.
     pub limited: BTreeSet<Symbol>,
+    /// Variables that stand for the values of delays, of which nothing is known at a point.
+    pub(super) delayed: Vec<Symbol>,
     /// Whether all quantities are expressed by outputs of the program, for their values at a point. Then the outputs of
     /// delay lines stay as they are, and quantities of loops without a formula have derivatives.
     pub(super) is_evaluated: bool,
@@ -88,8 +93,12 @@ impl<'a> Model<'a> {
         for law in &mut system.laws {
             law.kind.for_each_mut(&mut |value| *value = value.with_symbols(&free));
         }
+        let delayed =
+            |number| system.symbols.variable(&format!("delayed value {number}"), 0, Dimension::NONE);
+        let delayed = (1..=MAX_DELAYS).map(delayed).collect();
         Model {
             derived_laws: system.laws.len(),
+            delayed,
             system,
             patch: circuit.patch(),
             auxiliaries: auxiliaries(circuit),
