@@ -1,5 +1,6 @@
 //! States of a machine at which both sides of an equation have values: no amplifier overloads and all loops are solved.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use patchcord_core::circuit::Circuit;
@@ -23,6 +24,9 @@ const STEPS: f64 = 20.0;
 const DISTANCES: [f64; 4] = [20.0, 4.0, 0.8, 0.1];
 /// Distances from 0 V in the whole range.
 const WIDE_DISTANCES: [f64; 5] = [80.0, 25.0, 8.0, 2.0, 0.5];
+
+/// Searches without a result after which only the last distance is tried: a loop without a solution takes long.
+const MAX_FAILURES: usize = 3;
 
 /// A state of the machine with all voltages.
 #[derive(Debug, Clone)]
@@ -79,7 +83,9 @@ pub(super) fn places(
     let has_switches = has_switches(program);
     let has_free_drives = !time_laws.drives && !has_switches;
     let is_timed = ramps.iter().map(|is_ramp| *is_ramp && time_laws.ramps).collect();
-    let search = Search { program, motion, start, has_switches, has_free_drives, is_timed };
+    let limits = motion.iter().map(|point| state_limits(program, point)).collect();
+    let failures = Cell::new(0);
+    let search = Search { program, motion, start, limits, has_switches, has_free_drives, is_timed, failures };
     let mut places: Vec<Place> = (0..PLACES).filter_map(|index| search.near_motion(index)).collect();
     if places.len() < MIN_PLACES {
         places.extend((0..PLACES).filter_map(|index| search.anywhere(index)));
@@ -94,12 +100,16 @@ struct Search<'a> {
     motion: &'a [ProgramPoint],
     /// The first of them.
     start: &'a ProgramPoint,
+    /// The limits of the states at each point of the motion.
+    limits: Vec<Vec<[f64; 2]>>,
     /// Whether the machine has elements that switch.
     has_switches: bool,
     /// Whether the voltages of drives are free.
     has_free_drives: bool,
     /// Whether each state follows a law of time.
     is_timed: Vec<bool>,
+    /// The number of searches without a result so far.
+    failures: Cell<usize>,
 }
 
 impl Search<'_> {
@@ -110,7 +120,7 @@ impl Search<'_> {
         let (point, voltages) = if index < self.motion.len() {
             evaluated(self.program, from.clone(), BTreeMap::new())?
         } else {
-            self.first_at(from, index, &DISTANCES)?
+            self.first_at(from, instant, index, &DISTANCES)?
         };
         Some(Place { point, voltages, instant: Some(instant) })
     }
@@ -120,29 +130,35 @@ impl Search<'_> {
         let states = self.start.states.iter().zip(&self.is_timed);
         let states = states.map(|(volts, is_timed)| if *is_timed { *volts } else { 0.0 }).collect();
         let from = ProgramPoint { states, ..self.start.clone() };
-        let (point, voltages) = self.first_at(&from, PLACES + index, &WIDE_DISTANCES)?;
+        let (point, voltages) = self.first_at(&from, 0, PLACES + index, &WIDE_DISTANCES)?;
         Some(Place { point, voltages, instant: None })
     }
 
     /// The first point at one of these distances from another one at which nothing overloads, with all voltages. The
-    /// direction depends on the seed.
+    /// direction depends on the seed. The limits of the states are those at an instant of the motion.
     fn first_at(
         &self,
         from: &ProgramPoint,
+        instant: usize,
         seed: usize,
         distances: &[f64],
     ) -> Option<(ProgramPoint, Vec<f64>)> {
-        distances.iter().find_map(|distance| self.at(from, &mut Numbers::new(seed as u64), *distance))
+        let first = if self.failures.get() < MAX_FAILURES { 0 } else { distances.len() - 1 };
+        let at = |distance: &f64| self.at(from, instant, &mut Numbers::new(seed as u64), *distance);
+        let found = distances[first..].iter().find_map(at);
+        self.failures.set(self.failures.get() + usize::from(found.is_none()));
+        found
     }
 
     /// The point at a distance from another one in random directions, with all voltages. `None` if something overloads.
     fn at(
         &self,
         from: &ProgramPoint,
+        instant: usize,
         numbers: &mut Numbers,
         distance: f64,
     ) -> Option<(ProgramPoint, Vec<f64>)> {
-        let states = self.states_at(from, numbers, distance);
+        let states = self.states_at(from, instant, numbers, distance);
         let mut point = if self.has_switches {
             settled_point(self.program, &states).ok()?
         } else {
@@ -161,12 +177,17 @@ impl Search<'_> {
 
     /// The voltages of the states at a distance from a point in random directions, within their limits. Those that follow a
     /// law of time are as at the point. If elements switch, the machine settles at t = 0, so they are as at the start.
-    fn states_at(&self, from: &ProgramPoint, numbers: &mut Numbers, distance: f64) -> Vec<f64> {
-        let limits = state_limits(self.program, from);
+    fn states_at(
+        &self,
+        from: &ProgramPoint,
+        instant: usize,
+        numbers: &mut Numbers,
+        distance: f64,
+    ) -> Vec<f64> {
         let timed = if self.has_switches { self.start } else { from };
-        let states = from.states.iter().zip(limits).enumerate();
+        let states = from.states.iter().zip(&self.limits[instant]).enumerate();
         let moved = states.map(|(index, (volts, [low, high]))| {
-            let volts_moved = (volts + distance * numbers.share()).max(low).min(high);
+            let volts_moved = (volts + distance * numbers.share()).max(*low).min(*high);
             if self.is_timed[index] { timed.states[index] } else { volts_moved }
         });
         moved.collect()
