@@ -86,8 +86,8 @@ fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// The exponentials are about 1e-11 and 1e-7, so the factors of their products in the equations are large. The rates of the
-/// states are below 0.01/s.
+/// The exponentials are about 1e-11 and 1e-7, so the factors of their products in the equations are large. The rates of
+/// the states are below 0.01/s.
 #[test]
 fn the_time_scale_of_arrhenius_terms_follows_from_the_states() {
     for name in ["heated-sample", "ignition"] {
