@@ -52,6 +52,20 @@ fn decayed() -> f64 {
 }
 
 #[test]
+fn an_exponential_with_an_offset_follows_its_parameters() {
+    let patch = scaled(
+        r#""parameters": {"k": {"value": 1e10, "unit": "1", "range": [8e9, 1.2e10]},
+                       "E": {"value": 46, "unit": "1", "range": [45.8, 47]}},
+        "quantities": {"x": {"unit": "1", "initial": 1}, "y": {"unit": "1"}},
+        "equations": ["x' = 1", "y = k exp(-E/x)"]"#,
+    );
+    // x is 2 at the end of the run.
+    for (k, e) in [(1e10, 46.0), (1.1e10, 46.0), (1e10, 45.8), (8e9, 47.0)] {
+        assert_last(&patch, &[("k", k), ("E", e)], "y", k * f64::exp(-e / 2.0));
+    }
+}
+
+#[test]
 fn the_argument_of_a_table_follows_its_coefficient() {
     let patch = scaled(
         r#""parameters": {"a": {"value": 0.5, "unit": "1", "range": [0.1, 0.9]}},

@@ -86,6 +86,25 @@ fn every_problem_becomes_a_patch_that_agrees_with_scipy() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
+/// The exponentials are about 1e-11 and 1e-7, so the factors of their products in the equations are large. The rates of
+/// the states are below 0.01/s.
+#[test]
+fn the_time_scale_of_arrhenius_terms_follows_from_the_states() {
+    for name in ["heated-sample", "ignition"] {
+        let scaled = scaled(&problem_file(name));
+        assert!(scaled.time_scale <= 1e-3, "{name}: {}", scaled.time_scale);
+        let exponentials = scaled.patch.elements.iter().filter(|(_, element)| element.kind.name == "exp");
+        let outputs: Vec<&str> = exponentials.map(|(output, _)| output.as_str()).collect();
+        let of_exponential = scaled.peaks.iter().filter(|peak| outputs.contains(&peak.output.as_str()));
+        let peaks: Vec<f64> = of_exponential.map(|peak| peak.volts).collect();
+        assert_eq!(peaks.len(), 1, "{name}");
+        assert!((50.0..=95.0).contains(&peaks[0]), "{name}: {peaks:?}");
+        let problem = Problem::read(problem_file(name)).unwrap_or_else(|error| panic!("{error}"));
+        let options = ScaleOptions { time_scale: Some(0.2), ..ScaleOptions::default() };
+        assert!(scale_problem(&problem, &options).is_ok_and(|scaled| scaled.time_scale == 0.2), "{name}");
+    }
+}
+
 #[test]
 fn a_rod_of_100_cells_reaches_its_straight_profile() {
     let scaled =

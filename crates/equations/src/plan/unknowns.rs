@@ -100,17 +100,34 @@ impl Unknowns {
                 let (base, primes) = split_primes(name);
                 primes > 0 && problem.patch.drives.contains_key(base)
             });
-            findings.extend(derivatives.map(|name| drive_derivative(placed, name)));
+            findings.extend(derivatives.map(|name| drive_derivative(problem, placed, name)));
         }
         findings
     }
 }
 
 /// The fault of the derivative of a drive.
-fn drive_derivative(placed: &Placed<Equation>, name: &str) -> Diagnostic {
+fn drive_derivative(problem: &Problem, placed: &Placed<Equation>, name: &str) -> Diagnostic {
     let drive = split_primes(name).0;
     let message = format!("{name} is the derivative of the drive {drive}, which no element computes");
-    let hint = format!("add a drive for {name}, and write its name here");
+    let hint = derivative_hint(problem, name);
     let range = placed.value.range_of(name).unwrap_or_default();
     formula_diagnostic(Code::BAD_FORMULA, placed, FormulaError { range, message, hint: Some(hint) })
+}
+
+/// What to write in place of the derivative of a drive. That of a sine and that of a ramp without a reversal are known.
+fn derivative_hint(problem: &Problem, name: &str) -> String {
+    let (drive, primes) = split_primes(name);
+    let kind = problem.patch.drives.get(drive).map(|entry| entry.kind.name);
+    let reverses = || problem.patch.value()["drives"][drive].get("turn").is_some();
+    match kind {
+        Some("sine") if primes == 1 => format!(
+            "add a drive of the kind sine for {name}, and write its name here: its amplitude is that of {drive} times \
+             2 pi frequency, its frequency is the same, its phase is larger by pi/2, and its offset is 0"
+        ),
+        Some("ramp") if primes == 1 && !reverses() => {
+            format!("add a parameter with the \"rate\" of {drive}, and write its name here")
+        }
+        _ => format!("add a drive for {name}, and write its name here"),
+    }
 }

@@ -113,7 +113,7 @@ fn centre(plan: &mut Plan, ranges: &mut Vec<[f64; 2]>, id: NodeId, middle: f64) 
 }
 
 /// The node of the number 1, which is added if the plan has none.
-fn one(plan: &mut Plan, ranges: &mut Vec<[f64; 2]>) -> NodeId {
+pub(super) fn one(plan: &mut Plan, ranges: &mut Vec<[f64; 2]>) -> NodeId {
     let known = plan.ids().find(|id| plan.node(*id).operation == Operation::One);
     known.unwrap_or_else(|| {
         let one = Node { name: "1".to_owned(), dimension: Dimension::NONE, operation: Operation::One };

@@ -1,5 +1,7 @@
 //! What the synthesis reads: the plan, the problem, the ranges and the options, with units and stated scales by node.
 
+use std::collections::BTreeMap;
+
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Diagnostic;
 use patchcord_core::machines::REFERENCE;
@@ -8,6 +10,7 @@ use patchcord_expr::{Dimension, Unit, split_primes};
 
 use super::ScaleOptions;
 use super::centred::centre_angles;
+use super::exponents::offset_exponents;
 use super::expressions::Expressions;
 use super::rescaled::{Rescaled, is_forced, rescaled, unsettled_scales};
 use crate::findings::codes;
@@ -23,7 +26,7 @@ const INTEGRATOR_GAINS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 /// What the synthesis reads.
 #[derive(Debug)]
 pub(super) struct Input<'a> {
-    /// The plan, with the nodes that `centred` and `rescaled` add.
+    /// The plan, with the nodes that `centred`, `exponents` and `rescaled` add.
     pub plan: Plan,
     /// The nodes whose scales follow from others, each after those from which it follows.
     pub forced_order: Vec<NodeId>,
@@ -39,6 +42,8 @@ pub(super) struct Input<'a> {
     pub options: &'a ScaleOptions,
     /// The parameters, for the values of coefficients.
     pub expressions: Expressions<'a>,
+    /// The offsets of exponents by exponential.
+    offsets: BTreeMap<NodeId, i32>,
     /// The names of the quantities of each node. Names without primes come first.
     labels: Vec<Vec<String>>,
     /// Whether times count as pure numbers in the problem.
@@ -56,8 +61,9 @@ impl<'a> Input<'a> {
     ) -> Self {
         let (mut centred, mut nodes) = (plan.clone(), ranges.nodes.clone());
         centre_angles(&mut centred, &mut nodes);
-        let mut labels = labels(&centred);
         let expressions = Expressions::new(&centred.symbols, circuit);
+        let offsets = offset_exponents(&mut centred, &mut nodes, &|constant| expressions.value(constant));
+        let mut labels = labels(&centred);
         let unsettled = unsettled_scales(&centred, &|constant| expressions.has_parameters(constant));
         let fixes_scale =
             |name: &String| problem.quantities.get(name).is_some_and(|it| has_scale(it, options));
@@ -81,6 +87,7 @@ impl<'a> Input<'a> {
             rates,
             options,
             expressions,
+            offsets,
             labels,
             is_time_dimensionless,
         }
@@ -89,6 +96,11 @@ impl<'a> Input<'a> {
     /// The operation of a node.
     pub(super) fn operation(&self, id: NodeId) -> &Operation {
         &self.plan.node(id).operation
+    }
+
+    /// The value of the exponent of an exponential at which its input is 0.
+    pub(super) fn exponent_offset(&self, id: NodeId) -> i32 {
+        self.offsets.get(&id).copied().unwrap_or(0)
     }
 
     /// The names of the quantities that a node is.

@@ -8,14 +8,16 @@
 //! 5. `document` and `layout` write the patch.
 //!
 //! The scales of multipliers, diode networks and delay lines follow from those of their inputs; see `rescaled` and
-//! `scale_table`. `centred` and `rescaled` add nodes to the plan where that is not possible otherwise. Settings
-//! are formulas of parameters and scales, which `formula` writes. `names` and `short_names` name scales and elements.
+//! `scale_table`. `centred`, `exponents` and `rescaled` add nodes to the plan where that is not possible otherwise.
+//! Settings are formulas of parameters and scales, which `formula` writes. `names` and `short_names` name scales and
+//! elements.
 
 mod assembly;
 mod centred;
 mod design;
 mod document;
 mod elements;
+mod exponents;
 mod expressions;
 mod flow;
 mod formula;

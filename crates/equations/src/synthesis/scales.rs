@@ -238,8 +238,11 @@ impl Choice<'_, '_> {
         match kind {
             // The amplitude 1 / S is at most 100 V.
             FunctionKind::Sin | FunctionKind::Cos => scale.max(0.01),
-            // The reference 1 / S is from 1e-6 to 100 V.
-            FunctionKind::Exp => scale.clamp(0.01, 1e6),
+            // The reference is from 1e-6 to 100 V. It is 1 / S, times the exponential of the offset.
+            FunctionKind::Exp => {
+                let at_offset = f64::from(self.input.exponent_offset(id)).exp();
+                scale.clamp(0.01 * at_offset, 1e6 * at_offset)
+            }
             // The output per decade, ln(10) / S, is from 1 to 100 V.
             FunctionKind::Ln if scale < LN_10 / 100.0 => 0.025,
             FunctionKind::Ln => scale.min(2.0),

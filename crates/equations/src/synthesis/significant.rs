@@ -11,7 +11,7 @@ use crate::graph::{FunctionKind, NodeId, Operation, Sum};
 const ROUNDING: f64 = 1e-10;
 
 /// A peak below this, in SI units, counts as 0. No unit is so small, but the far end of a long chain of lags is.
-const LEAST_PEAK: f64 = 1e-60;
+pub(super) const LEAST_PEAK: f64 = 1e-60;
 
 /// The peak of each node in SI units. It is 0 if the node consists of rounding, is far below every unit, or has no finite
 /// range.

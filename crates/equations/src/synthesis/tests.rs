@@ -1,6 +1,7 @@
 //! Tests with hand-made plans.
 
 mod documents;
+mod exponents;
 mod faults;
 mod formulas;
 mod operations;

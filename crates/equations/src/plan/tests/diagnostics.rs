@@ -8,11 +8,16 @@ fn assert_fault(quantities: &str, equations: &str, [place, message, hint]: [&str
     assert_eq!(found(quantities, equations), [[place, message, hint].map(str::to_owned)], "{equations}");
 }
 
-/// The faults of a problem with the parameter p = 2 and the drive u.
+/// The faults of a problem with the parameter p = 2 and the step u.
 fn found(quantities: &str, equations: &str) -> Vec<[String; 3]> {
+    found_with(r#""kind": "step", "height": 1"#, quantities, equations)
+}
+
+/// The faults of a problem with the parameter p = 2 and the drive u with these settings.
+fn found_with(drive: &str, quantities: &str, equations: &str) -> Vec<[String; 3]> {
     faults(&format!(
         r#""parameters": {{"p": {{"value": 2, "unit": "1"}}}},
-        "drives": {{"u": {{"kind": "step", "unit": "1", "height": 1}}}},
+        "drives": {{"u": {{"unit": "1", {drive}}}}},
         "quantities": {{{quantities}}}, "equations": [{equations}]"#
     ))
 }
@@ -73,6 +78,21 @@ fn derivatives_belong_to_states() {
     let quantities = format!(r#"{X}, "x'": {{"unit": "1"}}, "x''": {{"unit": "1"}}"#);
     let hint = "remove x'', or write an equation that contains it";
     assert_fault(&quantities, r#""x' = -x""#, ["\"x''\"", "no equation contains x''", hint]);
+}
+
+#[test]
+fn the_derivatives_of_sines_and_ramps_are_known() {
+    let hint = |drive: &str, equation: &str| found_with(drive, X, equation).remove(0)[2].clone();
+    let sine = r#""kind": "sine", "amplitude": 1, "frequency": 2"#;
+    let expected = "add a drive of the kind sine for u', and write its name here: its amplitude is that of u times \
+                    2 pi frequency, its frequency is the same, its phase is larger by pi/2, and its offset is 0";
+    assert_eq!(hint(sine, r#""x' = u' - x""#), expected);
+    assert_eq!(hint(sine, r#""x' = u'' - x""#), "add a drive for u'', and write its name here");
+    let ramp = r#""kind": "ramp", "rate": 3"#;
+    let expected = "add a parameter with the \"rate\" of u, and write its name here";
+    assert_eq!(hint(ramp, r#""x' = u' - x""#), expected);
+    let reversing = format!(r#"{ramp}, "turn": 1"#);
+    assert_eq!(hint(&reversing, r#""x' = u' - x""#), "add a drive for u', and write its name here");
 }
 
 #[test]

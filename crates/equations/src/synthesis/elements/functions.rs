@@ -140,14 +140,23 @@ fn add_exponential(assembly: &mut Assembly<'_>, id: NodeId, argument: &Term) -> 
     let design = assembly.design;
     let gain = argument_gain(design, id)?;
     let per_decade = gain * LN_10 / design.table.weight(argument);
-    let (reference, volts) = reciprocal(design, id, 1);
-    check(design, id, ("the voltage at the argument 0", volts), LEVELS)?;
+    let offset = design.input.exponent_offset(id);
+    let (reference, volts) = level_at(design, id, offset);
+    check(design, id, (&format!("the voltage at the argument {offset}"), volts), LEVELS)?;
     let product = SettingFormula::one().times_text("ln(10)").times_number(gain);
     let product = product.over(&design.table.size_of(argument), &design.table.expressions);
     let input = conditioned(assembly, argument, gain);
     let element = ElementBuilder::new("exp").cord("in", &input).set("reference", reference);
     assembly.add_output(id, element.set("per_decade", product.setting(per_decade)));
     Ok(())
+}
+
+/// The voltage of an exponential at the offset of its exponent, where its input is 0: its setting and its value.
+fn level_at(design: &Design<'_>, id: NodeId, offset: i32) -> (Value, f64) {
+    let volts = f64::from(offset).exp() / design.table.value(id);
+    let product = SettingFormula::one();
+    let product = if offset == 0 { product } else { product.times_text(&format!("exp({offset})")) };
+    (product.over(design.table.expression(id), &design.table.expressions).setting(volts), volts)
 }
 
 /// Adds a logarithm.
