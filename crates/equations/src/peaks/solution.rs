@@ -268,7 +268,7 @@ impl<'a> Solution<'a> {
         let indices = 0..network.integrals.len();
         let worst = indices.max_by(|one, other| share(*one).total_cmp(&share(*other)));
         let node = worst.map_or(0, |index| network.integrals[index].node);
-        self.watch.unbounded(&self.extremes, values, node, end)
+        self.watch.unbounded(network, &self.extremes, values, node, end)
     }
 
     /// The fault of a loop without a solution at the last evaluation, at this time.

@@ -21,7 +21,8 @@ const ROOT_ERROR: f64 = 1e-6;
 /// Magnitude of a negative argument of a root that counts as rounding, as a share of the magnitudes of its terms.
 const ROOT_ROUNDING: f64 = 1e-12;
 
-/// Magnitude of a divisor that counts as nearly 0, as a share of its peak.
+/// Magnitude of a divisor that counts as nearly 0, as a share of its terms, or of its peak if it is no
+/// sum.
 const VANISHING_SHARE: f64 = 1e-6;
 
 /// The conditions that hold during a run.
@@ -124,7 +125,7 @@ impl Watch {
             !is_finite(**node) && !matches!(law, Law::Given) && law.inputs().into_iter().all(is_finite)
         };
         let Some(cause) = nodes.iter().find(is_cause).copied() else {
-            return Some(self.unbounded(extremes, values, first, time));
+            return Some(self.unbounded(network, extremes, values, first, time));
         };
         let (kind, node) = match &network.laws[cause] {
             Law::Function(Function::Ln, argument) if argument.value(values) == 0.0 => {
@@ -132,15 +133,31 @@ impl Watch {
             }
             Law::Function(Function::Ln, _) => (FaultKind::NegativeLogarithm, cause),
             Law::Quotient { divisor, .. } if values[*divisor] == 0.0 => (FaultKind::Divisor, *divisor),
-            _ if values[cause].is_infinite() => return Some(self.unbounded(extremes, values, cause, time)),
+            _ if values[cause].is_infinite() => {
+                return Some(self.unbounded(network, extremes, values, cause, time));
+            }
             _ => (FaultKind::NotFinite, cause),
         };
         Some(Fault::node(kind, node, time))
     }
 
     /// The fault of a node that grows without bound. If a divisor is nearly 0, the divisor is the cause.
-    pub(super) fn unbounded(&self, extremes: &Extremes, values: &[f64], node: usize, time: f64) -> Fault {
-        let vanishes = |divisor: &usize| values[*divisor].abs() <= VANISHING_SHARE * extremes.peak(*divisor);
+    pub(super) fn unbounded(
+        &self,
+        network: &Network,
+        extremes: &Extremes,
+        values: &[f64],
+        node: usize,
+        time: f64,
+    ) -> Fault {
+        let vanishes = |divisor: &usize| {
+            // A sum of positive terms is never nearly 0, although it can be far below its peak.
+            let size = match &network.laws[*divisor] {
+                Law::Sum(terms) => size(terms, values),
+                _ => extremes.peak(*divisor),
+            };
+            values[*divisor].abs() <= VANISHING_SHARE * size
+        };
         match self.divisors.iter().map(|(divisor, _)| *divisor).find(vanishes) {
             Some(divisor) => Fault::node(FaultKind::Divisor, divisor, time),
             None => Fault::node(FaultKind::Unbounded, node, time),

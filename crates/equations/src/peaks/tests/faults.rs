@@ -119,3 +119,23 @@ fn a_solution_with_too_many_steps_stops() {
     let found = outcome(1.0, NO_DRIVE, vec![("x", integral(1.0, &[(-1.0, 1)])), ("past", delay)]);
     assert!(matches!(found, Err(Fault::TooLong { time }) if time > 0.1 && time < 0.3), "{found:?}");
 }
+
+#[test]
+fn a_sum_of_squares_is_not_blamed_for_a_value_that_becomes_infinite() {
+    // y falls from 1e4, so 1 + y^2 falls far below its peak. x' = x^2 from 1 is 1/(1 - t).
+    let quotient = Operation::Quotient { dividend: sum(&[(1.0, 0)]), divisor: NodeId(3) };
+    let growing = vec![
+        ("1", Operation::One),
+        ("y", integral(1e4, &[(-20.0, 1)])),
+        ("y^2", product(1, 1)),
+        ("1 + y^2", Operation::Sum(sum(&[(1.0, 0), (1.0, 2)]))),
+        ("1/(1 + y^2)", quotient),
+        ("x", integral(1.0, &[(1.0, 6)])),
+        ("x^2", product(5, 5)),
+    ];
+    let found = outcome(2.0, NO_DRIVE, growing);
+    assert!(
+        matches!(found, Err(Fault::Node { kind: FaultKind::Unbounded | FaultKind::TooLarge, .. })),
+        "{found:?}"
+    );
+}
