@@ -161,9 +161,23 @@ impl<'a> EquationComparer<'a> {
         let is_final = match &found {
             Err(Obstacle::Implicit(_)) => false,
             Err(_) | Ok((_, true)) => true,
-            Ok((outcome, false)) => outcome.is_solved() || self.exact.implicit_in(equation).is_none(),
+            Ok((Outcome::Solved, false)) => true,
+            Ok((_, false)) => self.exact.implicit_in(equation).is_none(),
         };
-        if is_final { found } else { self.numerical_outcome(equation, found) }
+        match found {
+            found if is_final => found,
+            // A factor that is 0 at present hides a quantity without a formula.
+            Ok((Outcome::SolvedAt(names), _)) => {
+                let present = || (Outcome::SolvedAt(names.clone()), false);
+                match self.numerical_outcome(equation, Ok(present())) {
+                    Ok((Outcome::SolvedNumerically(states), _)) => {
+                        Ok((Outcome::SolvedNumerically(states), false))
+                    }
+                    _ => Ok(present()),
+                }
+            }
+            found => self.numerical_outcome(equation, found),
+        }
     }
 
     /// The outcome for an equation by symbolic expressions, and whether the wiring solves it only within the range of its
