@@ -38,7 +38,7 @@ fn a_patch_is_rescaled_and_keeps_its_names() {
     let text = out(&ran);
     assert!(text.contains("scale     unit  1 V was  1 V is\n"), "{text}");
     assert!(text.contains("4 of 4 outputs peak between 50 and 95 V\n"), "{text}");
-    assert!(text.contains("both patches agree within 1e-9 at random states, and their runs up to t = 8 s\n"));
+    assert!(text.contains("both patches agree within 1e-9 at 24 random states, and their runs up to t = 8 s\n"));
     assert!(text.contains(&format!("\nThen:\n  patchcord check {new}\n")), "{text}");
     let checked = patchcord(&["check", &new]);
     assert_eq!((code(&checked), errors(&checked).as_str()), (0, ""));

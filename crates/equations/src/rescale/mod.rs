@@ -6,8 +6,8 @@
 //!    another time scale changes. Both give a `decision`, with gains from `gains`.
 //! 3. `edits` changes the document: `scales`, settings (`formulas`, with the `values` of all names), `cords`, and the
 //!    gain rule in numbers (`rules`).
-//! 4. `verification` compares the new patch with the old one; see also `exact`. If the old patch overloads, its peaks are
-//!    not known, so what overloads becomes smaller until a run has no overload.
+//! 4. `verification` compares the new patch with the old one, and refuses it if they differ; see also `exact`. If the old
+//!    patch overloads, its peaks are not known, so what overloads becomes smaller until a run has no overload.
 //! 5. `report` makes the tables.
 
 mod choice;
@@ -48,7 +48,7 @@ pub use report::{RescaledOutput, RescaledScale};
 use report::{new_peak, output_rows, scale_rows};
 use time::time_decision;
 use values::Values;
-use verification::verify;
+use verification::{Verified, verify};
 use wiring::Wiring;
 
 /// Runs of changed patches at most.
@@ -92,6 +92,9 @@ pub struct RescaledPatch {
     pub time_scale: f64,
     /// The number of runs of changed patches.
     pub runs: usize,
+    /// The number of random states at which all voltages and derivatives of both patches were compared. It is 0 if a loop
+    /// without an integrator has no single solution at any of them. Then the runs agree to their end.
+    pub compared_states: usize,
     /// The problem time up to which all voltages of both runs agree within 1e-9 of their peaks. It is below the length of
     /// the run if the motion amplifies rounding. `None` if the patch overloads, so that its run is wrong.
     pub agrees_until: Option<f64>,
@@ -256,7 +259,8 @@ fn finished(
     let [old, new] = edited.exact.each_ref().map(|patch| patch.as_ref().map(exact).transpose());
     let (exact_old, exact_new) = (old?, new?);
     let pair = [exact_old.as_ref().unwrap_or(original), exact_new.as_ref().unwrap_or(measured)];
-    let agrees_until = verify(pair[0], pair[1], decided).map_err(RescaleError::Differs)?;
+    let verified = verify(pair[0], pair[1], decided).map_err(RescaleError::Differs)?;
+    let Verified { states, agrees_until } = verified;
     Ok(RescaledPatch {
         scales: scale_rows(decided.wiring, measured),
         outputs: output_rows(decided, original, measured, model),
@@ -264,6 +268,7 @@ fn finished(
         time_scale: measured.circuit.time_scale(),
         patch: edited.patch,
         runs,
+        compared_states: states,
         agrees_until,
     })
 }
