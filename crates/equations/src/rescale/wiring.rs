@@ -122,8 +122,7 @@ impl<'c> Wiring<'c> {
 
     /// The gains that the machine has for an element. Empty if it has all gains.
     pub(super) fn gains(&self, element: usize) -> &'static [f64] {
-        let machine = self.circuit.machine();
-        if self.integrates(element) { machine.integrator_gains } else { machine.summer_gains }
+        self.circuit.input_gains(element)
     }
 
     /// Whether the output of an element is its setting times its input.
