@@ -28,7 +28,8 @@ pub(super) fn changed_jacks(
     }
     let listed = listed(wiring, element);
     if listed.len() != cords.len() {
-        return Err(format!("the cords of {} cannot be changed in the document", wiring.name(element)));
+        let element = wiring.located(element);
+        return Err(format!("the cords of {element} cannot be changed: write them in the element itself"));
     }
     let mut jacks: Map<String, Value> = Map::new();
     for (cord, (jack, source)) in listed.into_iter().enumerate() {

@@ -159,7 +159,8 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
     let wiring = Wiring::new(&original.circuit);
     let old = Values::of(&original.circuit);
     if !has_voltage(&wiring, &original.peaks) {
-        let message = "there is nothing to scale: all amplifiers have 0 V in the whole run";
+        let message = "there is nothing to scale: all amplifiers have 0 V in the whole run. Give an integrator an \
+                       initial value, or add a drive";
         return Err(RescaleError::Impossible(message.to_owned()));
     }
     let mut peaks = behind_overloads(&wiring, original, &original.peaks);
@@ -188,7 +189,10 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
             peaks = behind_overloads(&wiring, &measured, &larger);
         }
     }
-    let message = format!("{} would overload in every scale that is possible", overloads.join(" and "));
+    let message = format!(
+        "{} would overload in all scales that were tried: shorten the run, or put a pot in front of it",
+        overloads.join(" and ")
+    );
     Err(RescaleError::Impossible(message))
 }
 

@@ -75,6 +75,16 @@ impl<'c> Wiring<'c> {
         &circuit.element(element).name
     }
 
+    /// The name of an element with its line in the text of the patch, for messages: "A3 (line 50)".
+    pub(super) fn located(&self, element: usize) -> String {
+        let (patch, name) = (self.circuit.patch(), self.name(element));
+        let entry = patch.elements.get(name).or_else(|| patch.drives.get(name));
+        match entry.and_then(|entry| patch.text().get(..entry.span.start)) {
+            Some(before) => format!("{name} (line {})", before.matches('\n').count() + 1),
+            None => name.to_owned(),
+        }
+    }
+
     /// The kind of an element.
     pub(super) fn kind(&self, element: usize) -> &'static Kind {
         self.circuit.element(element).kind
