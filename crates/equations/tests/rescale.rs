@@ -367,3 +367,18 @@ fn an_amplifier_between_references_says_why_it_stays() {
     let [factor, initial] = written.map(|value| value.as_f64().unwrap());
     assert!((factor * initial - 2.0).abs() < 1e-9);
 }
+
+#[test]
+fn a_hold_at_an_overload_does_not_hide_the_peaks() {
+    let rescaled_with = |hold: bool| {
+        let text = format!(
+            r#"{{"patchcord": 1, "elements": {{"B1": {{"kind": "inverter", "in": "A1"}},
+                "A1": {{"kind": "integrator", "in": {{"x10": ["B1"]}}, "initial": 8}}}},
+                "run": {{"for": 1, "step": 0.001, "hold_on_overload": {hold}}}}}"#
+        );
+        rescaled(&Patch::parse("growth.json", &text).unwrap(), None)
+    };
+    let [free, held] = [false, true].map(rescaled_with);
+    assert_eq!(outside_range(&held), [""; 0]);
+    assert_eq!((held.outputs, held.runs), (free.outputs, free.runs));
+}
