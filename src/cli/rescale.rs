@@ -105,8 +105,10 @@ fn text(request: &Request<'_>, patch: &Patch, rescaled: &RescaledPatch) -> Strin
         let factor = format_significant(rescaled.time_scale, DIGITS);
         text += &format!("{factor} machine seconds per problem second\n\n");
     }
-    text += &scale_table(&rescaled.scales);
-    text += &format!("\n{}", output_table(&rescaled.outputs));
+    if !rescaled.scales.is_empty() {
+        text += &format!("{}\n", scale_table(&rescaled.scales));
+    }
+    text += &output_table(&rescaled.outputs);
     text += &format!("\n{}", peak_lines(&rescaled.outputs));
     text += &format!("\n{}\n{}", comparison_line(rescaled), change_table(&rescaled.changes));
     text += &match request.out {
@@ -160,12 +162,13 @@ fn peak_lines(outputs: &[RescaledOutput]) -> String {
 
 /// How the new patch was compared with the old one.
 fn comparison_line(rescaled: &RescaledPatch) -> String {
-    match rescaled.agrees_until {
-        Some(time) => format!(
-            "both patches agree within 1e-9 at random states, and their runs up to t = {} s",
-            format_significant(time, DIGITS)
-        ),
-        None => "both patches agree within 1e-9 at random states; the run before overloads".to_owned(),
+    let states = plural(rescaled.compared_states, "random state");
+    match (rescaled.compared_states, rescaled.agrees_until.map(|time| format_significant(time, DIGITS))) {
+        (0, Some(time)) => format!("the runs of both patches agree within 1e-9 up to t = {time} s"),
+        (_, Some(time)) => {
+            format!("both patches agree within 1e-9 at {states}, and their runs up to t = {time} s")
+        }
+        (_, None) => format!("both patches agree within 1e-9 at {states}; the run before overloads"),
     }
 }
 
@@ -193,6 +196,7 @@ struct Document<'a> {
     scales: &'a [RescaledScale],
     outputs: &'a [RescaledOutput],
     changes: &'a [ChangedSetting],
+    compared_states: usize,
     agrees_until: Option<f64>,
     rescaled: &'a serde_json::Value,
     files: Vec<String>,
@@ -210,6 +214,7 @@ impl<'a> Document<'a> {
             scales: &rescaled.scales,
             outputs: &rescaled.outputs,
             changes: &rescaled.changes,
+            compared_states: rescaled.compared_states,
             agrees_until: rescaled.agrees_until,
             rescaled: rescaled.patch.value(),
             files: path_texts(out),

@@ -38,7 +38,9 @@ fn a_patch_is_rescaled_and_keeps_its_names() {
     let text = out(&ran);
     assert!(text.contains("scale     unit  1 V was  1 V is\n"), "{text}");
     assert!(text.contains("4 of 4 outputs peak between 50 and 95 V\n"), "{text}");
-    assert!(text.contains("both patches agree within 1e-9 at random states, and their runs up to t = 8 s\n"));
+    assert!(
+        text.contains("both patches agree within 1e-9 at 24 random states, and their runs up to t = 8 s\n")
+    );
     assert!(text.contains(&format!("\nThen:\n  patchcord check {new}\n")), "{text}");
     let checked = patchcord(&["check", &new]);
     assert_eq!((code(&checked), errors(&checked).as_str()), (0, ""));
@@ -81,7 +83,8 @@ fn a_patch_that_cannot_be_rescaled_writes_nothing() {
     assert_eq!(code(&ran), 1);
     assert_eq!(
         errors(&ran),
-        "error: A3 would need an input with a gain of 10000, which solartron-1451 does not have\n"
+        "error: A3 (line 50) would need an input with a gain of 10000, which solartron-1451 does not have: state another \
+         \"machine\", or change the scales less\n"
     );
     assert!(fs::metadata(&new).is_err());
     let old = misscaled(&folder);

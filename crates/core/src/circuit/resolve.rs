@@ -377,7 +377,7 @@ fn jack_names(input: &Input) -> String {
 }
 
 /// The input gains that the machine has for a kind. Empty if it has all gains.
-fn available_gains(machine: &MachineModel, kind: &Kind) -> &'static [f64] {
+pub(super) fn available_gains(machine: &MachineModel, kind: &Kind) -> &'static [f64] {
     if kind.transfer == Transfer::Integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 

@@ -87,6 +87,7 @@ impl Number for Series {
         if self.is_below(&Series::constant(0.0)) { self.scaled(-1.0) } else { self }
     }
     fn select(left: Self, right: Self, then: Self, otherwise: Self) -> Self {
+        // The first condition excludes NaN, which is below nothing.
         if left.terms[0] >= right.terms[0] && !left.is_below(&right) { then } else { otherwise }
     }
     fn call(function: Function, a: Self, b: Self) -> Self {
@@ -222,6 +223,46 @@ mod tests {
         let (one, next) = (Series::constant(1.0), series(&[1.0, 1.0]));
         assert_begins(one.divide(next), &[1.0, -1.0, 1.0, -1.0, 1.0], "1/(1 + t)");
         assert_begins(next.multiply(next), &[1.0, 2.0, 1.0, 0.0], "(1 + t)^2");
+    }
+
+    #[test]
+    fn a_term_depends_on_no_later_terms_of_the_arguments() {
+        let functions = [
+            Function::Sqrt,
+            Function::Sin,
+            Function::Cos,
+            Function::Tan,
+            Function::Atan,
+            Function::Atan2,
+            Function::Exp,
+            Function::Exp10,
+            Function::Ln,
+            Function::Log10,
+            Function::Tanh,
+            Function::Power,
+            Function::Floor,
+        ];
+        let arguments = [series(&[0.3, 0.0, 1.0, -0.5]), series(&[0.7, 0.2, -0.1])];
+        for function in functions {
+            let [a, b] = arguments;
+            let whole = Series::call(function, a, b);
+            for count in 1..TERMS {
+                let [a, b] = arguments.map(|argument| series(&argument.terms[..count]));
+                assert_begins(Series::call(function, a, b), &whole.terms[..count], function.name());
+            }
+        }
+    }
+
+    #[test]
+    fn a_derivative_that_does_not_exist_is_not_finite() {
+        let t = series(&[0.0, 1.0]);
+        for function in [Function::Sqrt, Function::Ln, Function::Log10] {
+            assert!(!Series::call(function, t, t).terms[1].is_finite(), "{}", function.name());
+        }
+        assert!(!Series::constant(1.0).divide(t).terms[1].is_finite());
+        // The argument does not move, so neither does the root.
+        let zero = Series::constant(0.0);
+        assert_eq!(Series::call(Function::Sqrt, zero, zero), zero);
     }
 
     #[test]

@@ -120,6 +120,8 @@ pub struct MachineModel {
 
 /// The reference voltage in volts. It also is the largest output of an amplifier. All machines here have the same one.
 pub const REFERENCE: f64 = 100.0;
+/// The smallest and the largest peak with which an amplifier uses its range, in volts. A larger one leaves no reserve.
+pub const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
 
 /// Every machine, in the order of listings.
 ///

@@ -260,7 +260,7 @@ pub(super) fn renamed<'n>(value: &Value, other: impl Fn(&str) -> Vec<&'n str>) -
 }
 
 /// The nodes that are names, from left to right.
-fn named_nodes(node: &Node) -> Vec<&Node> {
+pub(crate) fn named_nodes(node: &Node) -> Vec<&Node> {
     match &node.expression {
         Expression::Name(_) => vec![node],
         Expression::Number(_) => Vec::new(),

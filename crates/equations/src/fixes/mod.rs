@@ -20,10 +20,11 @@ use patchcord_core::patch::Edit;
 use crate::compare::{Agreement, ComparedEquation, EquationComparer, Standing};
 use candidates::{Candidate, candidates};
 use change::Change;
-pub(crate) use formula::Product;
+pub(crate) use formula::{Product, named_nodes};
 use influence::Influence;
 use netlist::Rewiring;
 use panel::Panel;
+pub(crate) use panel::is_free_name;
 use screen::{Screen, Trial, Validity};
 
 /// A change of a patch.

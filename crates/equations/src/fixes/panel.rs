@@ -107,13 +107,7 @@ impl<'a> Panel<'a> {
     /// The names of the jacks of a summing input, with their gains: those of the machine. On a machine with all gains,
     /// the usual ones and those that the patch uses.
     pub(super) fn jacks(&self, element: usize, input: usize) -> Vec<(String, f64)> {
-        let (kind, machine) = (self.kind(element), self.circuit.machine());
-        let listed = if kind.transfer == Transfer::Integrating {
-            machine.integrator_gains
-        } else {
-            machine.summer_gains
-        };
-        let mut gains = listed.to_vec();
+        let mut gains = self.circuit.input_gains(element).to_vec();
         if gains.is_empty() {
             gains.extend(GAINS);
             let wired = self.cords.iter().filter_map(|cord| cord.wired);
@@ -124,7 +118,7 @@ impl<'a> Panel<'a> {
                 }
             }
         }
-        let prefix = kind.inputs[input].name;
+        let prefix = self.kind(element).inputs[input].name;
         gains.into_iter().map(|gain| (format!("{prefix}{gain}"), gain)).collect()
     }
 
@@ -182,17 +176,20 @@ fn outputs(circuit: &Circuit, cords: &[Cord], indices: &HashMap<&str, usize>) ->
 
 /// A name that nothing in a patch has.
 fn new_name(circuit: &Circuit) -> String {
-    let patch = circuit.patch();
-    let is_free = |name: &String| {
-        !(patch.elements.contains_key(name)
-            || patch.instances.contains_key(name)
-            || patch.drives.contains_key(name)
-            || patch.signals.contains_key(name)
-            || patch.parameters.contains_key(name)
-            || patch.scales.contains_key(name)
-            || circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name))
-    };
+    let is_free = |name: &String| is_free_name(circuit, name);
     (1..).map(|number| format!("N{number}")).find(is_free).unwrap_or_default()
+}
+
+/// Whether nothing in a patch has a name. The names inside of macros do not count.
+pub(crate) fn is_free_name(circuit: &Circuit, name: &str) -> bool {
+    let patch = circuit.patch();
+    !(patch.elements.contains_key(name)
+        || patch.instances.contains_key(name)
+        || patch.drives.contains_key(name)
+        || patch.signals.contains_key(name)
+        || patch.parameters.contains_key(name)
+        || patch.scales.contains_key(name)
+        || circuit.auxiliary_quantities().any(|auxiliary| auxiliary == name))
 }
 
 #[cfg(test)]

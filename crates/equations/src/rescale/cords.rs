@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::decision::Decision;
 use super::wiring::Wiring;
+use crate::fixes::is_free_name;
 
 /// The value of "in" of an element after a decision. `None` if none of its cords changes.
 ///
@@ -27,7 +28,8 @@ pub(super) fn changed_jacks(
     }
     let listed = listed(wiring, element);
     if listed.len() != cords.len() {
-        return Err(format!("the cords of {} cannot be changed in the document", wiring.name(element)));
+        let element = wiring.located(element);
+        return Err(format!("the cords of {element} cannot be changed: write them in the element itself"));
     }
     let mut jacks: Map<String, Value> = Map::new();
     for (cord, (jack, source)) in listed.into_iter().enumerate() {
@@ -77,14 +79,10 @@ fn listed<'c>(wiring: &Wiring<'c>, element: usize) -> Vec<(&'c String, &'c Value
 pub(super) fn new_pot_name(wiring: &Wiring<'_>, element: usize, cord: usize) -> String {
     let inner = wiring.places[element].as_ref().and_then(|place| place.path.last());
     let base = format!("PT_{}_{}", inner.map_or("", String::as_str), cord + 1);
-    let patch = wiring.circuit.patch();
+    let elements = &wiring.circuit.patch().elements;
     let is_free = |name: &String| {
-        let is_inside = patch.elements.keys().any(|known| known.ends_with(&format!(".{name}")));
-        !(patch.elements.contains_key(name)
-            || is_inside
-            || patch.instances.contains_key(name)
-            || patch.drives.contains_key(name)
-            || patch.signals.contains_key(name))
+        let is_inside = elements.keys().any(|known| known.ends_with(&format!(".{name}")));
+        !is_inside && is_free_name(wiring.circuit, name)
     };
     let numbered = (2..).map(|number| format!("{base}_{number}"));
     std::iter::once(base.clone()).chain(numbered).find(is_free).unwrap_or_default()
@@ -126,5 +124,17 @@ mod tests {
         decision.gains[element][1] = 0.5;
         let expected = json!({"x1": ["B"], "x0.5": ["P"], "x10": "B", "reset": "B"});
         assert_eq!(changed(&decision, &[(1, "P")]), Some(expected));
+    }
+
+    #[test]
+    fn a_new_pot_has_a_name_that_nothing_has() {
+        let text = r#"{"patchcord": 1, "parameters": {"PT_A_1": {"value": 1, "unit": "1"}},
+            "elements": {"A": {"kind": "integrator", "in": {"x1": ["A"]}},
+                "PT_A_1_2": {"kind": "pot", "in": "A", "setting": "PT_A_1"}}}"#;
+        let circuit =
+            Circuit::new(&Patch::parse("p.json", text).unwrap()).unwrap_or_else(|report| panic!("{report}"));
+        let wiring = Wiring::new(&circuit);
+        let element = (0..wiring.len()).find(|element| wiring.name(*element) == "A").unwrap();
+        assert_eq!(new_pot_name(&wiring, element, 0), "PT_A_1_3");
     }
 }

@@ -146,7 +146,10 @@ impl Editing<'_> {
         match self.edits.get(&path) {
             Some(known) if *known == after => Ok(false),
             Some(_) => {
-                Err(format!("the instances of a macro would need different values of {}", path.join("/")))
+                let path = path.join("/");
+                Err(format!(
+                    "the instances of a macro would need different values of {path}: move this element out of the macro"
+                ))
             }
             None => {
                 self.edits.insert(path, after);
@@ -213,11 +216,11 @@ impl Editing<'_> {
     /// The message if it cannot have the value that it needs.
     fn changed_setting(&self, element: usize, setting: &str) -> Result<Option<Change>, String> {
         let wiring = self.decided.wiring;
-        let name = wiring.name(element);
+        let name = wiring.located(element);
         let wanted: PointValues = std::array::from_fn(|point| self.decided.wanted(element, setting, point));
         let written = wiring.written(element, setting);
         let written =
-            written.ok_or_else(|| format!("{setting} of {name} cannot be found in the document"))?;
+            written.ok_or_else(|| format!("{setting} of {name} is not in the document under this key"))?;
         let retuning = Retuning {
             circuit: wiring.circuit,
             new: self.new,
@@ -240,7 +243,8 @@ impl Editing<'_> {
                 Ok(Some(Change { rule, ..change(written, &after) }))
             }
             Retuned::Impossible => Err(format!(
-                "{setting} of {name} is {}, which cannot be changed so that it is right for all values of the parameters",
+                "{setting} of {name} is {}, which cannot be changed so that it is right for all values of the parameters: \
+                 write it as a product of scales and parameters",
                 text(written)
             )),
         }

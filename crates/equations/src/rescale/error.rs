@@ -22,7 +22,7 @@ pub enum RescaleError {
     /// The rescaled patch has faults, for example a pot above 1. The positions are those of its text.
     #[error("the rescaled patch has faults:\n{0}")]
     Faults(Box<Report>),
-    /// The rescaled patch does not compute the same as the patch. It is not returned.
-    #[error("the rescaled patch does not compute the same: {0}")]
+    /// The rescaled patch does not compute the same as the patch, or it is not known whether it does. It is not returned.
+    #[error("the rescaled patch would not compute the same, so it is discarded: {0}")]
     Differs(String),
 }

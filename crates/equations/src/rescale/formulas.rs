@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::TIME_SCALE;
-use patchcord_expr::{Formula, format_significant};
+use patchcord_expr::{Expression, Formula, format_significant};
 use serde_json::{Value, json};
 
 use super::values::{PointValues, Values, agree, ratio};
-use crate::fixes::Product;
+use crate::fixes::{Product, named_nodes};
 
 /// A ratio that differs from 1 by at most this is 1.
 const ROUNDING: f64 = 1e-13;
@@ -58,7 +58,7 @@ impl Retuning<'_> {
         }
         let changed = Product::new(written).and_then(|product| self.tuned(&product, wanted));
         let changed = changed.or_else(|| {
-            let restored = restored(written.as_str()?, self.scale_factors);
+            let restored = restored(written.as_str()?, self.scale_factors)?;
             self.tuned(&Product::new(&json!(restored))?, wanted)
         });
         changed.map_or(Retuned::Impossible, Retuned::Changed)
@@ -100,41 +100,20 @@ impl Retuning<'_> {
     }
 }
 
-/// A formula in which every scale is multiplied by its factor, so that it means the old scale.
-fn restored(text: &str, factors: &BTreeMap<String, f64>) -> String {
-    let mut changed = String::new();
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        let length = token_length(rest, first);
-        let (token, after) = rest.split_at(length);
-        match factors.get(token).filter(|factor| (**factor - 1.0).abs() > ROUNDING) {
-            Some(factor) => changed += &format!("({token} * {})", format_significant(*factor, DIGITS)),
-            None => changed += token,
+/// A formula in which every scale is multiplied by its factor, so that it means the old scale. `None` if the text is no
+/// formula.
+fn restored(text: &str, factors: &BTreeMap<String, f64>) -> Option<String> {
+    let formula = Formula::parse(text).ok()?;
+    let mut changed = formula.text().to_owned();
+    // From right to left, so that the places of the other names stay.
+    for node in named_nodes(formula.root()).into_iter().rev() {
+        let Expression::Name(name) = &node.expression else { continue };
+        if let Some(factor) = factors.get(name).filter(|factor| (**factor - 1.0).abs() > ROUNDING) {
+            let old = format!("({name} * {})", format_significant(*factor, DIGITS));
+            changed.replace_range(node.range.clone(), &old);
         }
-        rest = after;
     }
-    changed
-}
-
-/// The length in bytes of the name, the number or the sign at the beginning of a formula.
-fn token_length(text: &str, first: char) -> usize {
-    let end = |belongs: &dyn Fn(char) -> bool| text.find(|letter| !belongs(letter)).unwrap_or(text.len());
-    if first.is_alphabetic() || first == '_' {
-        return end(&|letter: char| letter.is_alphanumeric() || letter == '_');
-    }
-    if !first.is_ascii_digit() && first != '.' {
-        return first.len_utf8();
-    }
-    let digits = end(&|letter: char| letter.is_ascii_digit() || letter == '.');
-    let exponent = text[digits..].strip_prefix(['e', 'E']);
-    let unsigned = exponent.map(|rest| rest.strip_prefix(['+', '-']).unwrap_or(rest));
-    match unsigned {
-        Some(rest) if rest.starts_with(|letter: char| letter.is_ascii_digit()) => {
-            let after = rest.trim_start_matches(|letter: char| letter.is_ascii_digit());
-            text.len() - after.len()
-        }
-        _ => digits,
-    }
+    Some(changed)
 }
 
 #[cfg(test)]
@@ -149,10 +128,11 @@ mod tests {
             ("Fs / (Fs + 50 * force)", "Fs / (Fs + 50 * (force * 2))"),
             ("1e3 * e + 2.5e-3*force2", "1e3 * (e * 0.5) + 2.5e-3*force2"),
             ("same^2 / force", "same^2 / (force * 2)"),
-            ("", ""),
+            ("-(force) / sqrt(e)", "-(force * 2) / sqrt((e * 0.5))"),
         ];
         for (text, expected) in cases {
-            assert_eq!(restored(text, &factors), expected);
+            assert_eq!(restored(text, &factors).as_deref(), Some(expected));
         }
+        assert_eq!(restored("2 *", &factors), None);
     }
 }

@@ -35,8 +35,9 @@ pub(super) fn nearest_gain(wiring: &Wiring<'_>, element: usize, wanted: f64) -> 
 /// The message for a gain that the machine does not have.
 fn missing_gain(wiring: &Wiring<'_>, element: usize, wanted: f64) -> String {
     format!(
-        "{} would need an input with a gain of {}, which {} does not have",
-        wiring.name(element),
+        "{} would need an input with a gain of {}, which {} does not have: state another \"machine\", or change the \
+         scales less",
+        wiring.located(element),
         format_significant(wanted, SHORT),
         wiring.circuit.machine().name
     )

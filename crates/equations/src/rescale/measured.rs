@@ -41,7 +41,9 @@ impl Measured {
         let is_output = |index: &usize| elements[*index].kind.family != Family::Reference;
         let indices: Vec<usize> = (0..elements.len()).filter(is_output).collect();
         let names: Vec<&str> = indices.iter().map(|index| elements[*index].name.as_str()).collect();
-        let settings = RunSettings::of(&circuit).map_err(RescaleError::Settings)?;
+        let mut settings = RunSettings::of(&circuit).map_err(RescaleError::Settings)?;
+        // A hold would hide how large the voltages become after the first overload.
+        settings.hold_on_overload = false;
         let settings =
             settings.with_signals(names.iter().copied()).with_sensitivities(std::iter::empty::<String>());
         let trace = run(&program, &settings).map_err(|stopped| RescaleError::Run(Box::new(stopped)))?;

@@ -6,8 +6,8 @@
 //!    another time scale changes. Both give a `decision`, with gains from `gains`.
 //! 3. `edits` changes the document: `scales`, settings (`formulas`, with the `values` of all names), `cords`, and the
 //!    gain rule in numbers (`rules`).
-//! 4. `verification` compares the new patch with the old one; see also `exact`. If the old patch overloads, its peaks are
-//!    not known, so what overloads becomes smaller until a run has no overload.
+//! 4. `verification` compares the new patch with the old one, and refuses it if they differ; see also `exact`. If the old
+//!    patch overloads, its peaks are not known, so what overloads becomes smaller until a run has no overload.
 //! 5. `report` makes the tables.
 
 mod choice;
@@ -48,7 +48,7 @@ pub use report::{RescaledOutput, RescaledScale};
 use report::{new_peak, output_rows, scale_rows};
 use time::time_decision;
 use values::Values;
-use verification::verify;
+use verification::{Verified, verify};
 use wiring::Wiring;
 
 /// Runs of changed patches at most.
@@ -92,6 +92,9 @@ pub struct RescaledPatch {
     pub time_scale: f64,
     /// The number of runs of changed patches.
     pub runs: usize,
+    /// The number of random states at which all voltages and derivatives of both patches were compared. It is 0 if a loop
+    /// without an integrator has no single solution at any of them. Then the runs agree to their end.
+    pub compared_states: usize,
     /// The problem time up to which all voltages of both runs agree within 1e-9 of their peaks. It is below the length of
     /// the run if the motion amplifies rounding. `None` if the patch overloads, so that its run is wrong.
     pub agrees_until: Option<f64>,
@@ -156,7 +159,8 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
     let wiring = Wiring::new(&original.circuit);
     let old = Values::of(&original.circuit);
     if !has_voltage(&wiring, &original.peaks) {
-        let message = "there is nothing to scale: all amplifiers have 0 V in the whole run";
+        let message = "there is nothing to scale: all amplifiers have 0 V in the whole run. Give an integrator an \
+                       initial value, or add a drive";
         return Err(RescaleError::Impossible(message.to_owned()));
     }
     let mut peaks = behind_overloads(&wiring, original, &original.peaks);
@@ -185,7 +189,10 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
             peaks = behind_overloads(&wiring, &measured, &larger);
         }
     }
-    let message = format!("{} would overload in every scale that is possible", overloads.join(" and "));
+    let message = format!(
+        "{} would overload in all scales that were tried: shorten the run, or put a pot in front of it",
+        overloads.join(" and ")
+    );
     Err(RescaleError::Impossible(message))
 }
 
@@ -256,7 +263,8 @@ fn finished(
     let [old, new] = edited.exact.each_ref().map(|patch| patch.as_ref().map(exact).transpose());
     let (exact_old, exact_new) = (old?, new?);
     let pair = [exact_old.as_ref().unwrap_or(original), exact_new.as_ref().unwrap_or(measured)];
-    let agrees_until = verify(pair[0], pair[1], decided).map_err(RescaleError::Differs)?;
+    let verified = verify(pair[0], pair[1], decided).map_err(RescaleError::Differs)?;
+    let Verified { states, agrees_until } = verified;
     Ok(RescaledPatch {
         scales: scale_rows(decided.wiring, measured),
         outputs: output_rows(decided, original, measured, model),
@@ -264,6 +272,7 @@ fn finished(
         time_scale: measured.circuit.time_scale(),
         patch: edited.patch,
         runs,
+        compared_states: states,
         agrees_until,
     })
 }

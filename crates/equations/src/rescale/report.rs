@@ -11,12 +11,10 @@ use super::measured::Measured;
 use super::model::Model;
 use super::relations::Affine;
 use super::wiring::Wiring;
-use crate::synthesis::GOOD_VOLTS;
+use crate::synthesis::is_good_peak;
 
 /// Digits of a scale without the rounding of a conversion of units.
 const DIGITS: usize = 12;
-/// Rounding of a peak, as a share.
-const ROUNDING: f64 = 1e-9;
 
 /// The value of one volt of a scale before and after.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,14 +53,8 @@ pub struct RescaledOutput {
 impl RescaledOutput {
     /// Whether the output uses the range of its amplifier: it peaks from 50 to 95 V.
     pub fn is_good(&self) -> bool {
-        is_good(self.after)
+        is_good_peak(self.after)
     }
-}
-
-/// Whether a peak in volts uses the range of an amplifier.
-fn is_good(volts: f64) -> bool {
-    let [low, high] = GOOD_VOLTS;
-    volts >= low * (1.0 - ROUNDING) && volts <= high * (1.0 + ROUNDING)
 }
 
 /// The rows of all scales of signals and drives.
@@ -121,7 +113,7 @@ pub(super) fn new_peak(wiring: &Wiring<'_>, new: &Measured, element: usize) -> f
 /// The reason why an output is not from 50 to 95 V. `None` if it is.
 fn reason(model: &Model<'_>, element: usize, after: &[f64]) -> Option<String> {
     let wiring = model.evidence.wiring;
-    if is_good(after[element]) {
+    if is_good_peak(after[element]) {
         return None;
     }
     if after[element] == 0.0 {

@@ -50,7 +50,9 @@ pub(super) fn new_scales<'c>(
             let written = &circuit.patch().value()["scales"][name.as_str()]["per_volt"];
             let Some(value) = new_scale(wiring, &values, index, written, wanted) else {
                 let factor = format_significant(1.0 / factor, SHORT);
-                return Err(format!("the \"per_volt\" of the scale {name} cannot be multiplied by {factor}"));
+                return Err(format!(
+                    "the \"per_volt\" of the scale {name} cannot be multiplied by {factor}: write it as a number"
+                ));
             };
             let formula = match &value {
                 Value::String(text) => Formula::parse(text).map_err(|error| error.to_string())?,

@@ -75,6 +75,16 @@ impl<'c> Wiring<'c> {
         &circuit.element(element).name
     }
 
+    /// The name of an element with its line in the text of the patch, for messages: "A3 (line 50)".
+    pub(super) fn located(&self, element: usize) -> String {
+        let (patch, name) = (self.circuit.patch(), self.name(element));
+        let entry = patch.elements.get(name).or_else(|| patch.drives.get(name));
+        match entry.and_then(|entry| patch.text().get(..entry.span.start)) {
+            Some(before) => format!("{name} (line {})", before.matches('\n').count() + 1),
+            None => name.to_owned(),
+        }
+    }
+
     /// The kind of an element.
     pub(super) fn kind(&self, element: usize) -> &'static Kind {
         self.circuit.element(element).kind
@@ -122,8 +132,7 @@ impl<'c> Wiring<'c> {
 
     /// The gains that the machine has for an element. Empty if it has all gains.
     pub(super) fn gains(&self, element: usize) -> &'static [f64] {
-        let machine = self.circuit.machine();
-        if self.integrates(element) { machine.integrator_gains } else { machine.summer_gains }
+        self.circuit.input_gains(element)
     }
 
     /// Whether the output of an element is its setting times its input.

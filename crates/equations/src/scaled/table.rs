@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::attempt::{Attempt, Basis};
 use super::scaled_equation::ScaledEquations;
 use crate::graph::{ConstantValues, NodeId, Operation};
-use crate::synthesis::{GOOD_VOLTS, ScaleReason, Scales};
+use crate::synthesis::{ScaleReason, Scales, is_good_peak};
 
 /// A row of the scaling table: a quantity with its maximum, its scale and its scaled equation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,13 +66,8 @@ const EXACT_DIGITS: usize = 15;
 impl OutputPeak {
     /// Whether the output uses the range of its amplifier: it peaks from 50 to 95 V.
     pub fn is_good(&self) -> bool {
-        is_good(self.volts)
+        is_good_peak(self.volts)
     }
-}
-
-/// Whether a peak in volts uses the range of an amplifier.
-fn is_good(volts: f64) -> bool {
-    (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts)
 }
 
 /// The reason for a scale that the peak determines, although another one would use more of the range.
@@ -146,5 +141,5 @@ pub(super) fn peaks(attempt: &Attempt) -> Vec<OutputPeak> {
 /// The reason why an output is not within 50 to 95 V. `None` if it is.
 fn reason(scales: &Scales, node: NodeId, volts: f64) -> Option<&'static str> {
     let recorded = || scales.reasons[node.0 as usize].map(ScaleReason::text);
-    (!is_good(volts)).then(|| recorded().unwrap_or(NO_BETTER_SCALE))
+    (!is_good_peak(volts)).then(|| recorded().unwrap_or(NO_BETTER_SCALE))
 }

@@ -5,13 +5,13 @@ use patchcord_core::machines::REFERENCE;
 use patchcord_expr::format_significant;
 use serde_json::Value;
 
+use super::GOOD_VOLTS;
 use super::Scales;
 use super::formula::SettingFormula;
 use super::gains::{Coefficient, GAIN_OF_SUMMER, Route, route};
 use super::input::Input;
 use super::names::ScaleNames;
 use super::scale_table::ScaleTable;
-use super::scales::GOOD_VOLTS;
 use crate::derive::System;
 use crate::graph::{NodeId, Operation, Sum, Term};
 use crate::symbolic::Fraction;

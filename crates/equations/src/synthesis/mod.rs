@@ -54,8 +54,9 @@ use design::{Block, Design};
 pub(crate) use document::{with_ranges, with_step};
 use input::Input;
 pub(crate) use notes::GainStep;
+pub(crate) use patchcord_core::machines::GOOD_VOLTS;
 pub(crate) use reason::ScaleReason;
-pub(crate) use scales::{GOOD_VOLTS, choose_scales, exceeds_reference, improved_scales, suitable_scale};
+pub(crate) use scales::{choose_scales, exceeds_reference, improved_scales, is_good_peak, suitable_scale};
 
 /// What a scaled patch should be like.
 ///

@@ -3,7 +3,7 @@
 use std::f64::consts::LN_10;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::machines::REFERENCE;
+use patchcord_core::machines::{GOOD_VOLTS, REFERENCE};
 use patchcord_core::patch::Problem;
 
 use super::centred::least_volts;
@@ -24,8 +24,6 @@ use crate::symbolic::Fraction;
 /// Voltages of a peak after a choice. They are within those that need a new choice, because measured peaks differ a
 /// little from computed ones.
 const CHOSEN_VOLTS: [f64; 2] = [51.0, 94.0];
-/// A measured peak within these voltages uses the range of its amplifier. Another one needs a new scale.
-pub(crate) const GOOD_VOLTS: [f64; 2] = [50.0, 95.0];
 /// The peak behind an overload is taken to be larger by this factor.
 const OVERLOAD: f64 = 1.5;
 /// The largest voltage behind an overload that is believed. In a run with overloads, voltages can be far too large.
@@ -34,6 +32,8 @@ const BELIEVED_VOLTS: f64 = 300.0;
 const PEAK_ERROR: f64 = 1e-4;
 /// Scales depend on each other through pots and multipliers. They are adjusted this number of times.
 const PASSES: usize = 4;
+/// Rounding of a measured peak, as a share.
+const PEAK_ROUNDING: f64 = 1e-9;
 /// Rounding of a ratio of scales.
 const ROUNDING: f64 = 1e-12;
 
@@ -107,7 +107,7 @@ pub(crate) fn improved_scales(
             let believed = OVERLOAD * volts.min(BELIEVED_VOLTS) * chosen.per_volt;
             peaks[index] = peaks[index].max(believed);
             kept[index] = None;
-        } else if !has_overload && !is_good(*volts) && peaks[index] > 0.0 {
+        } else if !has_overload && !is_good_peak(*volts) && peaks[index] > 0.0 {
             peaks[index] = volts * chosen.per_volt;
             kept[index] = None;
         }
@@ -121,9 +121,10 @@ fn is_kept(input: &Input<'_>, id: NodeId) -> bool {
     stated.is_some()
 }
 
-/// Whether a peak in a run without overloads uses the range of its amplifier.
-fn is_good(volts: f64) -> bool {
-    (GOOD_VOLTS[0]..=GOOD_VOLTS[1]).contains(&volts)
+/// Whether a peak in a run without overloads uses the range of its amplifier, except for rounding.
+pub(crate) fn is_good_peak(volts: f64) -> bool {
+    let [low, high] = GOOD_VOLTS;
+    (low * (1.0 - PEAK_ROUNDING)..=high * (1.0 + PEAK_ROUNDING)).contains(&volts)
 }
 
 /// The round number that is suitable as the scale of a peak: the peak is between 51 and 94 V.

@@ -1,9 +1,11 @@
 //! Round factors that bring a peak into the range of an amplifier.
 
+use patchcord_core::machines::GOOD_VOLTS;
+
 /// Largest peak of an amplifier that is scaled well, in volts. The rest of the range is a reserve.
-const LARGEST_PEAK: f64 = 95.0;
+const LARGEST_PEAK: f64 = GOOD_VOLTS[1];
 /// Peak from which an amplifier is scaled well, in volts.
-const SUFFICIENT_PEAK: f64 = 50.0;
+const SUFFICIENT_PEAK: f64 = GOOD_VOLTS[0];
 /// The round factors of one decade. Neighbours differ by a factor of at most 1.6, so that a peak of at most 95 V can be
 /// made larger than 59 V.
 const ROUND_FACTORS: [f64; 9] = [1.0, 1.2, 1.5, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0];

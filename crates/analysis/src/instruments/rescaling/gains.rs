@@ -25,7 +25,7 @@ pub(super) fn gain_changes(circuit: &Circuit, element: usize, times: f64) -> Opt
     }
     cords.retain(|(from, _)| !comes_from(circuit, *from, element));
     let listed = cords.iter().take(MAX_CHANGES);
-    let changes = listed.map(|(from, cord)| cord_change(circuit, to, (*from, cord.gain), times));
+    let changes = listed.map(|(from, cord)| cord_change(circuit, element, (*from, cord.gain), times));
     let mut changes: Vec<String> = changes.collect::<Option<_>>()?;
     if cords.len() > MAX_CHANGES {
         changes.push("change its other inputs in the same way".to_owned());
@@ -44,8 +44,8 @@ fn comes_from(circuit: &Circuit, voltage: usize, element: usize) -> bool {
 
 /// The change at the input of an element that an output drives with a gain. A pot that drives nothing else is set. `None`
 /// if the machine has no gain that is large enough.
-fn cord_change(circuit: &Circuit, to: &Element, (from, gain): (usize, f64), times: f64) -> Option<String> {
-    let source = circuit.element(from);
+fn cord_change(circuit: &Circuit, element: usize, (from, gain): (usize, f64), times: f64) -> Option<String> {
+    let [to, source] = [element, from].map(|index| circuit.element(index));
     let name = source.name.as_str();
     let own_share = pot_setting(circuit, source).filter(|_| reader_count(circuit, from) == 1);
     match own_share {
@@ -53,7 +53,7 @@ fn cord_change(circuit: &Circuit, to: &Element, (from, gain): (usize, f64), time
             Some(format!("set {name} to {} in place of {}", number(share * times), number(share)))
         }
         _ if times < 1.0 => Some(format!("put a pot of {} between {name} and {}", number(times), to.name)),
-        _ => gain_change((name, own_share), (to, available_gains(circuit, to)), gain, times),
+        _ => gain_change((name, own_share), (to, circuit.input_gains(element)), gain, times),
     }
 }
 
@@ -79,13 +79,6 @@ fn gain_change(
         Some(present) => format!("{} and set {name} to {share} in place of {}", change(new), number(present)),
         None => format!("{} and put a pot of {share} between {name} and {}", change(new), to.name),
     })
-}
-
-/// The input gains that the machine has for an element, in ascending order. Empty if it has all gains.
-fn available_gains(circuit: &Circuit, element: &Element) -> &'static [f64] {
-    let machine = circuit.machine();
-    let is_integrating = element.kind.transfer == Transfer::Integrating;
-    if is_integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 
 /// The setting of a pot. `None` for any other element.
