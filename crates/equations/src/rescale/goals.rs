@@ -4,7 +4,7 @@ use patchcord_core::elements::{OutputStage, SettingDefault, SettingQuantity};
 use patchcord_core::machines::REFERENCE;
 use serde_json::Value;
 
-use super::gains::LEAST_SETTING;
+use super::gains::{LEAST_SETTING, Settings};
 use super::laws::{Size, necessary_input, size};
 use super::model::Model;
 use super::relations::Affine;
@@ -18,6 +18,8 @@ const LOW_PEAK: [f64; 2] = [1.0, 1.0];
 const HIGH_PEAK: [f64; 2] = [100.0, 1000.0];
 /// The penalty of a setting outside its range, and that of each decade.
 const OUTSIDE: [f64; 2] = [200.0, 2000.0];
+/// The penalty of a pot that cannot be set for all values of the parameters, and that of each decade above 1.
+const VARIED: [f64; 2] = [0.1, 0.2];
 /// The penalty for each decade of a pot below the smallest accurate setting.
 const INACCURATE: f64 = 0.1;
 
@@ -35,6 +37,8 @@ pub(super) enum Limits {
     Peak,
     /// The quantity must be from the first number to the second one.
     Range(f64, f64),
+    /// A pot that should not be above the number for any values of the parameters.
+    Varied(f64),
     /// A pot that should not be below the number.
     Accurate(f64),
 }
@@ -51,6 +55,7 @@ impl Goal {
                 outside(low - value, LOW_PEAK) + outside(value - high, HIGH_PEAK)
             }
             Limits::Range(low, high) => outside(low - value, OUTSIDE) + outside(value - high, OUTSIDE),
+            Limits::Varied(high) => outside(value - high, VARIED),
             Limits::Accurate(low) => outside(low - value, [0.0, INACCURATE]),
         }
     }
@@ -84,22 +89,30 @@ fn reduced(model: &Model<'_>, powers: &[(usize, f64)], number: f64) -> Affine {
     model.relations.reduced(&Affine::sum(powers)).plus_constant(number.abs().log10())
 }
 
-/// The goals of a pot: its setting is from 0.1 to 1, with the gain behind it if the gain can change.
+/// The goals of a pot: its setting is from 0.1 to 1, with the gain behind it if the gain can change. If that is so for all
+/// values of the parameters, it stays so.
 fn pot_goals(model: &Model<'_>, pot: usize) -> Vec<Goal> {
     let wiring = model.evidence.wiring;
     let Some(setting) = model.setting(pot).filter(|setting| *setting > 0.0) else { return Vec::new() };
     let Some(from) = wiring.source(pot, "in").map(|from| model.estimate(from)) else { return Vec::new() };
+    let settings = Settings::of(wiring, model.evidence.old, pot);
+    let within = |powers: &[(usize, f64)], gain: f64, largest: f64| {
+        let quantity = |setting: f64| reduced(model, powers, setting * gain);
+        let range = Limits::Range(f64::NEG_INFINITY, largest.log10());
+        let varied = Goal { quantity: quantity(settings.most), limits: Limits::Varied(largest.log10()) };
+        let varied = settings.are_possible().then_some(varied);
+        varied.into_iter().chain([Goal { quantity: quantity(setting), limits: range }]).collect::<Vec<Goal>>()
+    };
     let Some((reader, cord)) = wiring.gain_behind(pot) else {
-        let quantity = reduced(model, &[(pot, 1.0), (from, -1.0)], setting);
+        let powers = [(pot, 1.0), (from, -1.0)];
         let least = LEAST_SETTING.min(setting).log10();
-        let accurate = Goal { quantity: quantity.clone(), limits: Limits::Accurate(least) };
-        return vec![Goal { quantity, limits: Limits::Range(f64::NEG_INFINITY, 0.0) }, accurate];
+        let accurate = Goal { quantity: reduced(model, &powers, setting), limits: Limits::Accurate(least) };
+        return within(&powers, 1.0, 1.0).into_iter().chain([accurate]).collect();
     };
     let gain = wiring.cords[reader][cord].1.gain;
-    let quantity = reduced(model, &[(model.target(reader), 1.0), (from, -1.0)], setting * gain);
+    let powers = [(model.target(reader), 1.0), (from, -1.0)];
     let largest = wiring.gains(reader).iter().copied().reduce(f64::max);
-    let range = |largest: f64| Limits::Range(f64::NEG_INFINITY, largest.log10());
-    largest.map(|largest| Goal { quantity, limits: range(largest) }).into_iter().collect()
+    largest.map_or_else(Vec::new, |largest| within(&powers, gain, largest))
 }
 
 /// The largest voltage of a free pot between two references, for any values of the parameters. `None` for other elements,
