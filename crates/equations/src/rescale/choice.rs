@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use patchcord_expr::round_significant;
 
 use super::decision::{Decided, Decision};
-use super::gains::{nearest_gain, pot_gain};
+use super::gains::{has_few_digits, nearest_gain, pot_gain};
 use super::goals::{Goal, Limits, goals};
 use super::model::Model;
 use super::relations::Affine;
@@ -27,8 +27,6 @@ const MOST_DECADES: f64 = 12.0;
 const MOST_PASSES: usize = 30;
 /// A penalty that is smaller by less than this is equal.
 const ROUNDING: f64 = 1e-9;
-/// Digits of a gain that can be any number.
-const GAIN_DIGITS: usize = 3;
 /// Digits of the value of one volt.
 const DIGITS: usize = 14;
 
@@ -193,7 +191,7 @@ fn decision(model: &Model<'_>, values: &[f64]) -> Result<Decision, String> {
         let (from, own) = wiring.cords[element][cord];
         let wanted = own.gain * factor(model.target(element)) / decision.factors[from];
         let gain = nearest_gain(wiring, element, wanted)?;
-        if model.is_free(element) && gain != own.gain && gain != round_significant(gain, GAIN_DIGITS) {
+        if model.is_free(element) && gain != own.gain && !has_few_digits(gain) {
             return Err(format!("a gain of {} would have many digits", wiring.name(element)));
         }
         decision.gains[element][cord] = gain;

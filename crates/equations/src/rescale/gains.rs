@@ -14,6 +14,8 @@ const ROUNDING: f64 = 1e-11;
 const EQUAL: f64 = 1e-9;
 /// Digits of a gain on a machine with all gains.
 const DIGITS: usize = 15;
+/// Digits of a gain that is easy to read.
+const FEW_DIGITS: usize = 3;
 /// Digits of a gain in a message.
 const SHORT: usize = 4;
 /// Decades of the gains behind pots on a machine with all gains.
@@ -30,6 +32,11 @@ pub(super) fn nearest_gain(wiring: &Wiring<'_>, element: usize, wanted: f64) -> 
     }
     let found = gains.iter().copied().find(|gain| (gain / wanted - 1.0).abs() <= EQUAL);
     found.ok_or_else(|| missing_gain(wiring, element, wanted))
+}
+
+/// Whether a gain has few digits.
+pub(super) fn has_few_digits(gain: f64) -> bool {
+    gain == round_significant(gain, FEW_DIGITS)
 }
 
 /// The message for a gain that the machine does not have.

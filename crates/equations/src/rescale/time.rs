@@ -1,7 +1,7 @@
 //! The decision for another time scale: all voltages stay, and what acts on integrators changes.
 
 use super::decision::{Decided, Decision};
-use super::gains::{Settings, gains_behind_pots, nearest_gain, pot_gain};
+use super::gains::{Settings, gains_behind_pots, has_few_digits, nearest_gain, pot_gain};
 use super::values::Values;
 use super::wiring::Wiring;
 
@@ -12,8 +12,8 @@ const DECADES: [i32; 7] = [0, 1, -1, 2, -2, 3, -3];
 
 /// The decision with which the machine needs `time` seconds for each of its present seconds.
 ///
-/// Pots in front of integrators are turned. A cord without a pot gets another gain if the machine has it, and otherwise a
-/// new pot.
+/// Pots in front of integrators are turned. A cord without a pot gets another gain if the machine has it and if it has no
+/// more digits than before, and otherwise a new pot.
 ///
 /// # Errors
 /// The message if a gain would have to be larger than the machine's largest one.
@@ -30,14 +30,16 @@ pub(super) fn time_decision(wiring: &Wiring<'_>, old: &Values<'_>, time: f64) ->
                 continue;
             }
             let wanted = own.gain / time;
-            match nearest_gain(wiring, element, wanted) {
-                Ok(gain) => decision.gains[element][cord] = gain,
-                Err(message) => {
-                    let gains = gains_behind_pots(wiring, element, own.gain);
-                    let gain = gains.into_iter().find(|gain| *gain >= wanted).ok_or(message)?;
+            let behind_pot =
+                gains_behind_pots(wiring, element, own.gain).into_iter().find(|gain| *gain >= wanted);
+            let is_readable = |gain: f64| has_few_digits(gain) || !has_few_digits(own.gain);
+            match (nearest_gain(wiring, element, wanted), behind_pot) {
+                (Ok(gain), Some(_)) if is_readable(gain) => decision.gains[element][cord] = gain,
+                (_, Some(gain)) => {
                     decision.gains[element][cord] = gain;
                     decision.added.insert((element, cord), wanted / gain);
                 }
+                (found, None) => decision.gains[element][cord] = found?,
             }
         }
     }
