@@ -1,4 +1,5 @@
 //! What factors are good for: peaks from 50 to 95 V, settings within their ranges, pots that can be set accurately.
+//! `digits` adds short numbers.
 
 use patchcord_core::elements::{OutputStage, SettingDefault, SettingQuantity};
 use patchcord_core::machines::REFERENCE;
@@ -22,6 +23,10 @@ const OUTSIDE: [f64; 2] = [200.0, 2000.0];
 const VARIED: [f64; 2] = [0.1, 0.2];
 /// The penalty for each decade of a pot below the smallest accurate setting.
 const INACCURATE: f64 = 0.1;
+/// The penalty of a number with many digits. It is larger than that of a scale that is less round.
+const MANY_DIGITS: f64 = 6e-3;
+/// A number has two digits if it differs from them by at most this share.
+const DIGITS_ROUNDING: f64 = 1e-9;
 
 /// A quantity that factors change, and what it should be.
 pub(super) struct Goal {
@@ -41,6 +46,9 @@ pub(super) enum Limits {
     Varied(f64),
     /// A pot that should not be below the number.
     Accurate(f64),
+    /// A factor of a number in the document that should have two digits. If the factor can divide, its reciprocal may have
+    /// them instead.
+    FewDigits { can_divide: bool },
 }
 
 impl Goal {
@@ -57,8 +65,18 @@ impl Goal {
             Limits::Range(low, high) => outside(low - value, OUTSIDE) + outside(value - high, OUTSIDE),
             Limits::Varied(high) => outside(value - high, VARIED),
             Limits::Accurate(low) => outside(low - value, [0.0, INACCURATE]),
+            Limits::FewDigits { can_divide } => {
+                let is_short = has_two_digits(value) || (can_divide && has_two_digits(-value));
+                if is_short { 0.0 } else { MANY_DIGITS }
+            }
         }
     }
+}
+
+/// Whether a number with this logarithm has at most two digits.
+fn has_two_digits(logarithm: f64) -> bool {
+    let number = 10f64.powf(logarithm - logarithm.floor() + 1.0);
+    (number - number.round()).abs() <= DIGITS_ROUNDING * number
 }
 
 /// The goals of a model.
@@ -85,7 +103,7 @@ pub(super) fn goals(model: &Model<'_>) -> Vec<Goal> {
 }
 
 /// The logarithm of number x product of powers of factors, in free unknowns.
-fn reduced(model: &Model<'_>, powers: &[(usize, f64)], number: f64) -> Affine {
+pub(super) fn reduced(model: &Model<'_>, powers: &[(usize, f64)], number: f64) -> Affine {
     model.relations.reduced(&Affine::sum(powers)).plus_constant(number.abs().log10())
 }
 
@@ -124,6 +142,19 @@ fn largest_voltage(model: &Model<'_>, element: usize) -> Option<f64> {
     volts.reduce(f64::max).filter(|volts| *volts > 0.0)
 }
 
+/// The factors by which a setting is multiplied, as unknowns with exponents. `None` if it stays, and for pots.
+pub(super) fn powers(model: &Model<'_>, element: usize, setting: &str) -> Option<Vec<(usize, f64)>> {
+    let wiring = model.evidence.wiring;
+    let input = |name: &str| wiring.source(element, name).map(|from| model.estimate(from));
+    match size(wiring.kind(element).name, setting) {
+        Size::Fixed | Size::Time => None,
+        Size::Output => Some(vec![(element, 1.0)]),
+        Size::Input(name) => Some(vec![(input(name)?, 1.0)]),
+        Size::PerInput(name) => Some(vec![(input(name)?, -1.0)]),
+        Size::OutputPerInput(name) => Some(vec![(element, 1.0), (input(name)?, -1.0)]),
+    }
+}
+
 /// The goals of settings in volts and of others that change with a factor: they stay within their ranges.
 fn setting_goals(model: &Model<'_>, element: usize) -> Vec<Goal> {
     let wiring = model.evidence.wiring;
@@ -136,14 +167,7 @@ fn setting_goals(model: &Model<'_>, element: usize) -> Vec<Goal> {
             (None, SettingDefault::Number(number)) if is_used => number,
             _ => return None,
         };
-        let input = |name: &str| wiring.source(element, name).map(|from| model.estimate(from));
-        let powers = match size(kind.name, setting.name) {
-            Size::Fixed | Size::Time => return None,
-            Size::Output => vec![(element, 1.0)],
-            Size::Input(name) => vec![(input(name)?, 1.0)],
-            Size::PerInput(name) => vec![(input(name)?, -1.0)],
-            Size::OutputPerInput(name) => vec![(element, 1.0), (input(name)?, -1.0)],
-        };
+        let powers = powers(model, element, setting.name)?;
         // A value of 0 stays 0. A range of a voltage includes both signs.
         let is_volts = setting.quantity == SettingQuantity::Volts;
         let low = if setting.range.0 > 0.0 { setting.range.0.log10() } else { f64::NEG_INFINITY };

@@ -2,8 +2,8 @@
 //!
 //! 1. `measured` runs the patch and reads the peak of every output.
 //! 2. `model` has the relations between the factors of the outputs, from the laws of the elements (`laws`, `relations`)
-//!    and the cords (`wiring`). `choice` looks for round factors with which the `goals` are reached. `time` decides what
-//!    another time scale changes. Both give a `decision`, with gains from `gains`.
+//!    and the cords (`wiring`). `choice` looks for round factors with which the `goals` and those of `digits` are
+//!    reached. `time` decides what another time scale changes. Both give a `decision`, with gains from `gains`.
 //! 3. `edits` changes the document: `scales`, settings (`formulas`, with the `values` of all names), `cords`, and the
 //!    gain rule in numbers (`rules`).
 //! 4. `verification` compares the new patch with the old one; see also `exact`. If the old patch overloads, its peaks are
@@ -13,6 +13,7 @@
 mod choice;
 mod cords;
 mod decision;
+mod digits;
 mod edits;
 mod error;
 mod exact;

@@ -50,7 +50,7 @@ impl Content {
 
     /// Whether it is a number with many digits.
     fn is_long(&self) -> bool {
-        matches!(self, Content::Number(value, _) if round_significant(*value, SHORT_DIGITS) != *value)
+        matches!(self, Content::Number(value, _) if is_long(*value))
     }
 
     /// The factor as it is written.
@@ -185,7 +185,9 @@ impl Product {
                 let changed = if divides { value / factor } else { value * factor };
                 product.factors[index].content = Content::number(changed, digits);
             }
-            None if factor < 1.0 => product.push(Content::number(1.0 / factor, digits), true),
+            None if factor < 1.0 && (is_long(factor) || !is_long(1.0 / factor)) => {
+                product.push(Content::number(1.0 / factor, digits), true);
+            }
             None => product.push(Content::number(factor, digits), false),
         }
         product.tidy();
@@ -254,6 +256,11 @@ impl Product {
             self.factors.retain(|factor| !is_one(factor));
         }
     }
+}
+
+/// Whether a number has many digits, apart from rounding.
+fn is_long(value: f64) -> bool {
+    round_significant(value, SHORT_DIGITS) != round_significant(value, PRECISE_DIGITS)
 }
 
 /// Whether one pair of parentheses encloses a text.

@@ -40,6 +40,8 @@ fn a_precise_number_with_many_digits_is_a_quotient() {
         (json!("f / force"), 5.0 / 4.536, json!("f / force * 625 / 567")),
         (json!("f / force / 100"), 49.0 / 250.0, json!("f / force / 25000 * 49")),
         (json!("k / 3"), 3.0, json!("k")),
+        (json!("k / m"), 0.9, json!("k / m * 0.9")),
+        (json!("k / m"), 0.8, json!("k / m / 1.25")),
         (json!(10), 0.345, json!(3.45)),
         (json!(10), 2f64.sqrt(), json!(14.142_135_623_731)),
     ];
