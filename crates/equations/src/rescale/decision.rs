@@ -134,6 +134,13 @@ impl Decided<'_> {
         Some(old * self.setting_factor(element, kind, setting, point)?)
     }
 
+    /// Whether a setting is 0 in every scale and for all values of the parameters.
+    pub(super) fn is_always_zero(&self, element: usize, setting: &str) -> bool {
+        let formula = self.wiring.formula(element, setting);
+        let is_zero = |formula| self.old.all(formula).into_iter().flatten().all(|value| value == 0.0);
+        formula.is_some_and(is_zero) && !self.wiring.has_reference_ends(element)
+    }
+
     /// The factor of a setting at a point.
     pub(super) fn setting_factor(
         &self,

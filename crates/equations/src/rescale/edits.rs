@@ -200,6 +200,10 @@ impl Editing<'_> {
         let name = wiring.name(element);
         for setting in wiring.kind(element).settings {
             let Some(path) = wiring.path(element, setting.name) else { continue };
+            // Another instance of the macro can need a change of the formula, with which this one stays 0.
+            if self.decided.is_always_zero(element, setting.name) {
+                continue;
+            }
             let change = match wiring.formula(element, setting.name) {
                 Some(_) => self.changed_setting(element, setting.name)?,
                 None => match setting.default {
