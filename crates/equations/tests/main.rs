@@ -14,6 +14,7 @@ mod mistakes;
 mod parameters;
 mod problem_files;
 mod rescale;
+mod rescaled_settings;
 mod rod;
 mod round_trip;
 mod scale;

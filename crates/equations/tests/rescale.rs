@@ -18,7 +18,7 @@ const OPEN_TOLERANCE: f64 = 1e-5;
 const ROUNDING: f64 = 1e-6;
 
 /// A shipped patch whose scales are multiplied by a factor.
-struct Case {
+pub(crate) struct Case {
     file: &'static str,
     factor: f64,
     /// The scales that are multiplied; all that are numbers if empty.
@@ -28,7 +28,7 @@ struct Case {
 }
 
 /// A case in which all scales are multiplied.
-const fn case(file: &'static str, factor: f64, exceptions: &'static [&'static str]) -> Case {
+pub(crate) const fn case(file: &'static str, factor: f64, exceptions: &'static [&'static str]) -> Case {
     Case { file, factor, scales: &[], exceptions }
 }
 
@@ -65,12 +65,12 @@ const CASES: &[Case] = &[
 ];
 
 /// A shipped patch.
-fn shipped(file: &str) -> Patch {
+pub(crate) fn shipped(file: &str) -> Patch {
     Patch::read(format!("../../patches/{file}.json")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The patch of a case.
-fn misscaled(case: &Case) -> Patch {
+pub(crate) fn misscaled(case: &Case) -> Patch {
     let patch = shipped(case.file);
     let is_listed = |name: &str| case.scales.is_empty() || case.scales.contains(&name);
     let edits: Vec<Edit> = patch
@@ -86,12 +86,12 @@ fn misscaled(case: &Case) -> Patch {
 }
 
 /// The patch with other scales or another time scale.
-fn rescaled(patch: &Patch, time: Option<f64>) -> RescaledPatch {
+pub(crate) fn rescaled(patch: &Patch, time: Option<f64>) -> RescaledPatch {
     rescale_patch(patch, &RescaleOptions { time }).unwrap_or_else(|error| panic!("{}: {error}", patch.file()))
 }
 
 /// The circuit of a patch, and its program.
-fn compiled(patch: &Patch) -> (Circuit, Program) {
+pub(crate) fn compiled(patch: &Patch) -> (Circuit, Program) {
     let circuit = Circuit::new(patch).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     (circuit, program)
@@ -105,12 +105,12 @@ fn trace(patch: &Patch, names: &[String]) -> Trace {
 }
 
 /// The names of the signals and drives of a patch.
-fn signals(patch: &Patch) -> Vec<String> {
+pub(crate) fn signals(patch: &Patch) -> Vec<String> {
     patch.signals.keys().chain(patch.drives.keys()).cloned().collect()
 }
 
 /// Checks that two patches have the same signals in physical units up to a time.
-fn check_same_signals(one: &Patch, other: &Patch, until: f64, tolerance: f64) {
+pub(crate) fn check_same_signals(one: &Patch, other: &Patch, until: f64, tolerance: f64) {
     let names = signals(one);
     let [one, other] = [one, other].map(|patch| trace(patch, &names));
     for name in names {

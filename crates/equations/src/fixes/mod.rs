@@ -11,6 +11,7 @@ mod formula;
 mod influence;
 mod netlist;
 mod panel;
+mod quotient;
 mod screen;
 
 use patchcord_core::circuit::Circuit;

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use patchcord_expr::round_significant;
 
 use super::decision::{Decided, Decision};
-use super::gains::{nearest_gain, pot_gain};
+use super::digits::digit_goals;
+use super::gains::{has_few_digits, nearest_gain, pot_gain};
 use super::goals::{Goal, Limits, goals};
 use super::model::Model;
 use super::relations::Affine;
@@ -19,6 +20,9 @@ const ROUNDEST: [u32; 3] = [10, 20, 50];
 const ROUND: [u32; 8] = [15, 25, 30, 40, 60, 80, 12, 16];
 /// The penalties of the roundest numbers, of other round ones, and of the others with two digits.
 const ROUGHNESS: [f64; 3] = [1e-3, 2e-3, 4e-3];
+/// The penalty of a scale that is a round multiple of its present value, if that has more digits. It is less than that of
+/// a long number in a setting.
+const MULTIPLE: f64 = 5e-3;
 /// Decades in which round numbers are tried around those with which an output peaks from 50 to 95 V.
 const MARGIN: f64 = 0.3;
 /// Largest number of decades that are tried at once.
@@ -27,8 +31,6 @@ const MOST_DECADES: f64 = 12.0;
 const MOST_PASSES: usize = 30;
 /// A penalty that is smaller by less than this is equal.
 const ROUNDING: f64 = 1e-9;
-/// Digits of a gain that can be any number.
-const GAIN_DIGITS: usize = 3;
 /// Digits of the value of one volt.
 const DIGITS: usize = 14;
 
@@ -63,7 +65,8 @@ struct Assignment {
 /// # Errors
 /// The message if the machine has no gain for a cord, or if a gain would have many digits.
 pub(super) fn choose(model: &Model<'_>) -> Result<Choice, String> {
-    let goals = goals(model);
+    let mut goals = goals(model);
+    goals.extend(digit_goals(model));
     let all: Vec<&Goal> = goals.iter().collect();
     let peaks: Vec<&Goal> = goals.iter().filter(|goal| matches!(goal.limits, Limits::Peak)).collect();
     let count = model.unknowns();
@@ -144,7 +147,21 @@ fn candidates(model: &Model<'_>, unknown: usize, goals: &[&Goal], values: &[f64]
             }
         }
     }
+    if let Some(present) = one_volt.filter(|one_volt| *one_volt != round_significant(*one_volt, 2)) {
+        found.extend(multiples((low - present.log10(), high - present.log10())));
+    }
     found
+}
+
+/// The round multiples of a scale in a range of logarithms.
+fn multiples((low, high): (f64, f64)) -> impl Iterator<Item = Candidate> {
+    let mantissas = move |decade: i32| {
+        let round = ROUNDEST.into_iter().chain(ROUND);
+        round.map(move |mantissa| f64::from(decade - 1) + f64::from(mantissa).log10())
+    };
+    let all = (low.floor() as i32..=high.ceil() as i32).flat_map(mantissas);
+    let within = all.filter(move |number| (low..=high).contains(number));
+    within.map(|number| Candidate { value: -number, roughness: MULTIPLE })
 }
 
 /// The penalty of a number by its first two digits.
@@ -193,7 +210,7 @@ fn decision(model: &Model<'_>, values: &[f64]) -> Result<Decision, String> {
         let (from, own) = wiring.cords[element][cord];
         let wanted = own.gain * factor(model.target(element)) / decision.factors[from];
         let gain = nearest_gain(wiring, element, wanted)?;
-        if model.is_free(element) && gain != own.gain && gain != round_significant(gain, GAIN_DIGITS) {
+        if model.is_free(element) && gain != own.gain && !has_few_digits(gain) {
             return Err(format!("a gain of {} would have many digits", wiring.name(element)));
         }
         decision.gains[element][cord] = gain;

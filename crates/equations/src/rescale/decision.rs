@@ -38,6 +38,46 @@ impl Decision {
             time: 1.0,
         }
     }
+
+    /// This decision and another one for the patch that it makes. The wirings are those before and between. `None` if they
+    /// do not have the same elements and cords.
+    pub(super) fn followed_by(&self, next: &Decision, wirings: [&Wiring<'_>; 2]) -> Option<Decision> {
+        let [before, between] = wirings;
+        let are_equal = |element: usize| before.name(element) == between.name(element);
+        if before.len() != between.len() || !(0..before.len()).all(are_equal) {
+            return None;
+        }
+        let of_scale = |(scale, factor): (&usize, &f64)| {
+            (*scale, factor * next.scale_factors.get(scale).copied().unwrap_or(1.0))
+        };
+        let gains = (0..before.len()).map(|element| self.next_gains(next, wirings, element));
+        Some(Decision {
+            factors: self.factors.iter().zip(&next.factors).map(|(one, other)| one * other).collect(),
+            scale_factors: self.scale_factors.iter().map(of_scale).collect(),
+            gains: gains.collect::<Option<Vec<Vec<f64>>>>()?,
+            adapting: &self.adapting | &next.adapting,
+            added: BTreeMap::new(),
+            time: self.time * next.time,
+        })
+    }
+
+    /// The gains of an element after another decision, in the order of the cords before. Cords at other jacks can have
+    /// another order between. `None` if the cords are not the same.
+    fn next_gains(&self, next: &Decision, wirings: [&Wiring<'_>; 2], element: usize) -> Option<Vec<f64>> {
+        let [before, between] = wirings.map(|wiring| &wiring.cords[element]);
+        let mut used = BTreeSet::new();
+        let gains = before.iter().zip(&self.gains[element]).map(|((from, cord), gain)| {
+            let is_same = |index: &usize| {
+                let (other_from, other) = &between[*index];
+                let are_equal = other_from == from && other.input == cord.input && other.gain == *gain;
+                are_equal && !used.contains(index)
+            };
+            let found = (0..between.len()).find(is_same)?;
+            used.insert(found);
+            Some(next.gains[element][found])
+        });
+        gains.collect()
+    }
 }
 
 /// A decision with the wiring and the old values of all formulas.
@@ -92,6 +132,13 @@ impl Decided<'_> {
             return Some(relative * share / (1.0 + relative * share));
         }
         Some(old * self.setting_factor(element, kind, setting, point)?)
+    }
+
+    /// Whether a setting is 0 in every scale and for all values of the parameters.
+    pub(super) fn is_always_zero(&self, element: usize, setting: &str) -> bool {
+        let formula = self.wiring.formula(element, setting);
+        let is_zero = |formula| self.old.all(formula).into_iter().flatten().all(|value| value == 0.0);
+        formula.is_some_and(is_zero) && !self.wiring.has_reference_ends(element)
     }
 
     /// The factor of a setting at a point.

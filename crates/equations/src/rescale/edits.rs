@@ -112,6 +112,11 @@ fn number(value: f64) -> Value {
     Product::new(&json!(round_significant(value, DIGITS))).map_or(Value::Null, |product| product.value())
 }
 
+/// The product of a number of the document and a factor: a number, or a short quotient.
+fn product(value: f64, factor: f64) -> Value {
+    Product::new(&number(value)).map_or(Value::Null, |product| product.times_precisely(factor).value())
+}
+
 /// The edits of a decision while they are made.
 struct Editing<'e> {
     decided: Decided<'e>,
@@ -198,6 +203,10 @@ impl Editing<'_> {
         let name = wiring.name(element);
         for setting in wiring.kind(element).settings {
             let Some(path) = wiring.path(element, setting.name) else { continue };
+            // Another instance of the macro can need a change of the formula, with which this one stays 0.
+            if self.decided.is_always_zero(element, setting.name) {
+                continue;
+            }
             let change = match wiring.formula(element, setting.name) {
                 Some(_) => self.changed_setting(element, setting.name)?,
                 None => match setting.default {
@@ -275,7 +284,7 @@ impl Editing<'_> {
             return None;
         }
         let factor = self.decided.setting_factor(element, kind, setting, 0).unwrap_or(1.0);
-        ((factor - 1.0).abs() > ROUNDING).then(|| change(&Value::Null, &number(default * factor)))
+        ((factor - 1.0).abs() > ROUNDING).then(|| change(&Value::Null, &product(default, factor)))
     }
 
     /// The points of a function generator.
@@ -343,7 +352,7 @@ impl Editing<'_> {
             let whole = Product::new(&number(setting * decision.time));
             let named =
                 whole.filter(|_| is_named).map(|product| product.times_name(TIME_SCALE, true).value());
-            let setting = named.unwrap_or_else(|| number(*setting));
+            let setting = named.unwrap_or_else(|| product(1.0, *setting));
             let pot = json!({"kind": "pot", "in": source, "setting": setting, "note": "for the time scale"});
             let texts = [String::new(), text(&setting)];
             let change = Change { after: pot, texts, rule: cord_rule(&self.decided, element, *cord) };

@@ -87,13 +87,15 @@ impl Retuning<'_> {
     }
 
     /// A formula with the name of the time scale, if the time scale was 1 and changes. Another factor can only be a power
-    /// of ten, for another gain. `None` if there is no such formula.
+    /// of ten, for another gain. `None` if there is no such formula, and if a pot that is a number stays a short one.
     fn with_time_scale(&self, written: &Value, wanted: &PointValues) -> Option<Value> {
         let divides = self.time_divides?;
-        if self.circuit.time_scale() != 1.0 || !written.is_string() {
+        let product = Product::new(written)?;
+        let is_short = || self.tuned(&product, wanted).is_none_or(|value| value.is_number());
+        if self.circuit.time_scale() != 1.0 || (written.is_number() && (!divides || is_short())) {
             return None;
         }
-        let named = Product::new(written)?.times_name(TIME_SCALE, divides);
+        let named = product.times_name(TIME_SCALE, divides);
         let decades = ratio(wanted, &self.values(&named.value())?)?.log10();
         let is_power = (decades - decades.round()).abs() <= WHOLE;
         is_power.then(|| self.tuned(&named, wanted)).flatten()

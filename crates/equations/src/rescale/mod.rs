@@ -2,8 +2,8 @@
 //!
 //! 1. `measured` runs the patch and reads the peak of every output.
 //! 2. `model` has the relations between the factors of the outputs, from the laws of the elements (`laws`, `relations`)
-//!    and the cords (`wiring`). `choice` looks for round factors with which the `goals` are reached. `time` decides what
-//!    another time scale changes. Both give a `decision`, with gains from `gains`.
+//!    and the cords (`wiring`). `choice` looks for round factors with which the `goals` and those of `digits` are
+//!    reached. `time` decides what another time scale changes. Both give a `decision`, with gains from `gains`.
 //! 3. `edits` changes the document: `scales`, settings (`formulas`, with the `values` of all names), `cords`, and the
 //!    gain rule in numbers (`rules`).
 //! 4. `verification` compares the new patch with the old one, and refuses it if they differ; see also `exact`. If the old
@@ -13,6 +13,7 @@
 mod choice;
 mod cords;
 mod decision;
+mod digits;
 mod edits;
 mod error;
 mod exact;
@@ -151,7 +152,17 @@ fn with_time_scale(original: &Measured, time: f64) -> Result<RescaledPatch, Resc
     finished(original, &decided, edited, &measured, None, 1)
 }
 
-/// The patch with other scales of amplitudes.
+/// A patch with other scales that has no overload.
+struct Rescaling {
+    /// What changes from the original patch.
+    decision: Decision,
+    edited: Edited,
+    measured: Measured,
+    /// The number of runs of changed patches.
+    runs: usize,
+}
+
+/// The patch with other scales of amplitudes. It is rescaled again until nothing changes.
 ///
 /// # Errors
 /// Those of [`rescale_patch`].
@@ -163,30 +174,50 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
                        initial value, or add a drive";
         return Err(RescaleError::Impossible(message.to_owned()));
     }
-    let mut peaks = behind_overloads(&wiring, original, &original.peaks);
+    let mut rescaling = without_overload(original, &wiring, &old)?;
+    while let Some(next) = rescaled_again(&wiring, &old, &rescaling) {
+        rescaling = next;
+    }
+    let Rescaling { decision, edited, measured, runs } = rescaling;
+    let (new_wiring, new) = (Wiring::new(&measured.circuit), Values::of(&measured.circuit));
+    let settled = best(Evidence { wiring: &new_wiring, old: &new, peaks: &measured.peaks }).ok();
+    let model = settled.as_ref().map(|(model, ..)| model);
+    let decided = Decided { wiring: &wiring, old: &old, decision: &decision };
+    finished(original, &decided, edited, &measured, model, runs)
+}
+
+/// The first scales with which a run has no overload.
+///
+/// # Errors
+/// Those of [`rescale_patch`].
+fn without_overload(
+    original: &Measured,
+    wiring: &Wiring<'_>,
+    old: &Values<'_>,
+) -> Result<Rescaling, RescaleError> {
+    let mut peaks = behind_overloads(wiring, original, &original.peaks);
     let mut is_exact = original.overloads.is_empty();
     let mut overloads = Vec::new();
-    for run in 1..=MAX_RUNS {
-        let evidence = Evidence { wiring: &wiring, old: &old, peaks: &peaks };
-        let (model, decision, edited) = best(evidence)?;
-        let decided = Decided { wiring: &wiring, old: &old, decision: &decision };
+    for runs in 1..=MAX_RUNS {
+        let (_, decision, edited) = best(Evidence { wiring, old, peaks: &peaks })?;
+        let decided = Decided { wiring, old, decision: &decision };
         let measured = Measured::new(&edited.patch, RescaleError::Faults)?;
         let found = |element: usize| {
             let factor = decided.factor(element, 0).unwrap_or(1.0);
-            new_peak(&wiring, &measured, element) / factor
+            new_peak(wiring, &measured, element) / factor
         };
         let found: Vec<f64> = (0..wiring.len()).map(found).collect();
         if measured.overloads.is_empty() {
             let are_equal = |(one, other): (&f64, &f64)| (one - other).abs() <= ROUNDING * one.max(*other);
             if is_exact || found.iter().zip(&peaks).all(are_equal) {
-                return finished(original, &decided, edited, &measured, Some(&model), run);
+                return Ok(Rescaling { decision, edited, measured, runs });
             }
             (peaks, is_exact) = (found, true);
         } else {
             overloads = measured.overloads.iter().cloned().collect();
             is_exact = false;
             let larger: Vec<f64> = peaks.iter().zip(&found).map(|(known, found)| known.max(*found)).collect();
-            peaks = behind_overloads(&wiring, &measured, &larger);
+            peaks = behind_overloads(wiring, &measured, &larger);
         }
     }
     let message = format!(
@@ -194,6 +225,24 @@ fn with_amplitudes(original: &Measured) -> Result<RescaledPatch, RescaleError> {
         overloads.join(" and ")
     );
     Err(RescaleError::Impossible(message))
+}
+
+/// A rescaled patch with the further changes that a rescaling of it would make. `None` if there are none.
+fn rescaled_again(wiring: &Wiring<'_>, old: &Values<'_>, before: &Rescaling) -> Option<Rescaling> {
+    if before.runs >= MAX_RUNS {
+        return None;
+    }
+    let between = (Wiring::new(&before.measured.circuit), Values::of(&before.measured.circuit));
+    let evidence = Evidence { wiring: &between.0, old: &between.1, peaks: &before.measured.peaks };
+    let (_, next, next_edited) = best(evidence).ok()?;
+    if next_edited.changes.is_empty() {
+        return None;
+    }
+    let decision = before.decision.followed_by(&next, [wiring, &between.0])?;
+    let edited = edited(wiring, old, &decision).ok()?;
+    let measured = Measured::new(&edited.patch, RescaleError::Faults).ok()?;
+    let is_valid = measured.overloads.is_empty();
+    is_valid.then(|| Rescaling { decision, edited, measured, runs: before.runs + 1 })
 }
 
 /// The peaks, with larger ones for the amplifiers that overload in a run. Without its limit, an integrator would be beyond
@@ -228,14 +277,16 @@ fn best<'e>(evidence: Evidence<'e>) -> Result<(Model<'e>, Decision, Edited), Res
         }
     }
     found.sort_by_key(|(_, choice)| (choice.outside, Reverse(choice.good)));
+    let mut fault = None;
     for (model, Choice { decision, .. }) in found {
         let edited = edited(evidence.wiring, evidence.old, &decision).map_err(RescaleError::Impossible);
         match edited.and_then(without_faults) {
             Ok(edited) => return Ok((model, decision, edited)),
-            Err(error) => failure = failure.or(Some(error)),
+            Err(error) => fault = fault.or(Some(error)),
         }
     }
-    Err(failure.unwrap_or_else(|| RescaleError::Impossible("no scales were found".to_owned())))
+    // The reason against the best decision says more than that against another approach.
+    Err(fault.or(failure).unwrap_or_else(|| RescaleError::Impossible("no scales were found".to_owned())))
 }
 
 /// A changed patch if it has no faults.

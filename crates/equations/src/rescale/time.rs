@@ -1,7 +1,7 @@
 //! The decision for another time scale: all voltages stay, and what acts on integrators changes.
 
 use super::decision::{Decided, Decision};
-use super::gains::{LEAST_SETTING, gains_behind_pots, nearest_gain, pot_gain};
+use super::gains::{Settings, gains_behind_pots, has_few_digits, nearest_gain, pot_gain};
 use super::values::Values;
 use super::wiring::Wiring;
 
@@ -12,8 +12,8 @@ const DECADES: [i32; 7] = [0, 1, -1, 2, -2, 3, -3];
 
 /// The decision with which the machine needs `time` seconds for each of its present seconds.
 ///
-/// Pots in front of integrators are turned. A cord without a pot gets another gain if the machine has it, and otherwise a
-/// new pot.
+/// Pots in front of integrators are turned. A cord without a pot gets another gain if the machine has it and if it has no
+/// more digits than before, and otherwise a new pot.
 ///
 /// # Errors
 /// The message if a gain would have to be larger than the machine's largest one.
@@ -30,14 +30,16 @@ pub(super) fn time_decision(wiring: &Wiring<'_>, old: &Values<'_>, time: f64) ->
                 continue;
             }
             let wanted = own.gain / time;
-            match nearest_gain(wiring, element, wanted) {
-                Ok(gain) => decision.gains[element][cord] = gain,
-                Err(message) => {
-                    let gains = gains_behind_pots(wiring, element, own.gain);
-                    let gain = gains.into_iter().find(|gain| *gain >= wanted).ok_or(message)?;
+            let behind_pot =
+                gains_behind_pots(wiring, element, own.gain).into_iter().find(|gain| *gain >= wanted);
+            let is_readable = |gain: f64| has_few_digits(gain) || !has_few_digits(own.gain);
+            match (nearest_gain(wiring, element, wanted), behind_pot) {
+                (Ok(gain), Some(_)) if is_readable(gain) => decision.gains[element][cord] = gain,
+                (_, Some(gain)) => {
                     decision.gains[element][cord] = gain;
                     decision.added.insert((element, cord), wanted / gain);
                 }
+                (found, None) => decision.gains[element][cord] = found?,
             }
         }
     }
@@ -79,8 +81,9 @@ fn rates(wiring: &Wiring<'_>, output: usize) -> Option<Rates> {
 }
 
 /// Whether an element is a pot that drives integrators only, directly or through inverters, and no signal is read there.
+/// In a macro, this holds for all instances or does not count.
 pub(super) fn is_before_integrators(wiring: &Wiring<'_>, element: usize) -> bool {
-    wiring.is_pot(element) && rates(wiring, element).is_some()
+    wiring.is_pot(element) && wiring.twins(element).all(|twin| rates(wiring, twin).is_some())
 }
 
 /// Turns a pot that drives integrators only, and changes the gains behind it if the pot would be above 1 or below 0.1.
@@ -97,7 +100,7 @@ fn turn(wiring: &Wiring<'_>, old: &Values<'_>, pot: usize, decision: &mut Decisi
         return Ok(());
     }
     let Some(rates) = rates(wiring, pot) else { return Ok(()) };
-    let setting = wiring.formula(pot, "setting").and_then(|formula| old.value(formula, 0)).unwrap_or(0.0);
+    let settings = Settings::of(wiring, old, pot);
     let gains = |decade: i32| {
         let gains = rates.cords.iter().map(|(reader, cord)| {
             let gain = wiring.cords[*reader][*cord].1.gain * 10f64.powi(decade);
@@ -105,14 +108,20 @@ fn turn(wiring: &Wiring<'_>, old: &Values<'_>, pot: usize, decision: &mut Decisi
         });
         gains.collect::<Option<Vec<f64>>>()
     };
-    let turned = |decade: i32| setting / decision.time / 10f64.powi(decade);
-    let is_valid = |decade: &i32| turned(*decade) <= 1.0 + ROUNDING && gains(*decade).is_some();
-    let is_accurate = |decade: &i32| turned(*decade) >= LEAST_SETTING.min(setting) * (1.0 - ROUNDING);
-    let mut valid = DECADES.into_iter().filter(is_valid);
-    let accurate = DECADES.into_iter().filter(is_valid).find(is_accurate);
-    let Some(decade) = accurate.or_else(|| valid.next()) else { return Ok(()) };
+    let factor = |decade: i32| 1.0 / decision.time / 10f64.powi(decade);
+    let find = |largest: f64, must_be_accurate: bool| {
+        DECADES.into_iter().find(|decade| {
+            largest * factor(*decade) <= 1.0 + ROUNDING
+                && (!must_be_accurate || settings.are_accurate(factor(*decade)))
+                && gains(*decade).is_some()
+        })
+    };
+    let possible = || settings.are_possible().then(|| find(settings.most, false)).flatten();
+    let found = find(settings.most, true).or_else(possible);
+    let found = found.or_else(|| find(settings.now, true)).or_else(|| find(settings.now, false));
+    let Some(decade) = found else { return Ok(()) };
     let chosen = gains(decade).unwrap_or_default();
-    let factor = 1.0 / decision.time / 10f64.powi(decade);
+    let factor = factor(decade);
     for element in rates.inverters.iter().chain([&pot]) {
         decision.factors[*element] = factor;
     }

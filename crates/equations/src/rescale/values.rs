@@ -2,7 +2,7 @@
 //!
 //! A changed formula must be right for all values of the parameters, so it is compared at several points.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::TIME_SCALE;
@@ -11,7 +11,7 @@ use patchcord_expr::{Dimension, Formula, Scope};
 use crate::operating_point::Numbers;
 
 /// The number of points: the present values of the parameters, and random ones.
-pub(super) const POINTS: usize = 7;
+const POINTS: usize = 7;
 /// The seed of the random values.
 const SEED: u64 = 8;
 /// The share by which a parameter without a range varies.
@@ -21,6 +21,9 @@ const ROUNDING: f64 = 1e-12;
 
 /// The share of the largest value by which a value that is a small difference can be wrong.
 const CANCELLED: f64 = 1e-13;
+
+/// Parameters that are varied over their ranges at most, as the check of a patch does.
+const MOST_VARIED: usize = 6;
 
 /// The value of a formula at each point. `None` where it has none.
 pub(super) type PointValues = [Option<f64>; POINTS];
@@ -59,8 +62,52 @@ impl<'c> Values<'c> {
 
     /// The value of a formula at a point, in SI units or as a bare number.
     pub(super) fn value(&self, formula: &Formula, point: usize) -> Option<f64> {
-        let value = formula.evaluate(&PointScope { values: self, point }).ok()?;
+        self.value_with(formula, &self.points[point])
+    }
+
+    /// The value of a formula for these values of parameters in SI units. Other parameters have their present values.
+    fn value_with(&self, formula: &Formula, parameters: &BTreeMap<String, f64>) -> Option<f64> {
+        let value = formula.evaluate(&PointScope { values: self, parameters }).ok()?;
         value.is_finite().then_some(value)
+    }
+
+    /// The largest value of a formula at the present values of the parameters and at the lower bounds, the middles and
+    /// the upper bounds of their ranges. The check of a patch tries the same values.
+    pub(super) fn largest(&self, formula: &Formula) -> Option<f64> {
+        let mut combinations = vec![BTreeMap::new()];
+        for (name, values) in self.varied(formula).into_iter().take(MOST_VARIED) {
+            let with = |known: &BTreeMap<String, f64>, value: f64| {
+                let mut parameters = known.clone();
+                parameters.insert(name.clone(), value);
+                parameters
+            };
+            combinations =
+                combinations.iter().flat_map(|known| values.map(|value| with(known, value))).collect();
+        }
+        let values = combinations.iter().filter_map(|parameters| self.value_with(formula, parameters));
+        values.chain(self.value(formula, 0)).reduce(f64::max)
+    }
+
+    /// The parameters with a range on which a formula depends, each with its lower bound, middle and upper bound in SI
+    /// units.
+    fn varied(&self, formula: &Formula) -> Vec<(String, [f64; 3])> {
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        let mut open = vec![formula];
+        while let Some(formula) = open.pop() {
+            for name in formula.names() {
+                let index = self.circuit.derived_index(name).filter(|_| !names.contains(name));
+                let own = |index: usize| self.scales.get(name).unwrap_or(self.circuit.derived(index).1);
+                open.extend(index.map(own));
+                names.insert(name);
+            }
+        }
+        let own = self.circuit.parameters().filter(|(name, ..)| names.contains(name));
+        let varied = own.filter_map(|(name, parameter, _)| {
+            let (low, high) = parameter.range?;
+            let values = [low, f64::midpoint(low, high), high].map(|value| parameter.unit.to_si(value));
+            Some((name.to_owned(), values))
+        });
+        varied.collect()
     }
 
     /// The values of a formula at all points.
@@ -71,7 +118,8 @@ impl<'c> Values<'c> {
     /// The values of one volt of a scale at all points, in SI units.
     pub(super) fn per_volt(&self, scale: &str) -> PointValues {
         std::array::from_fn(|point| {
-            PointScope { values: self, point }.value(scale).filter(|value| value.is_finite())
+            let scope = PointScope { values: self, parameters: &self.points[point] };
+            scope.value(scale).filter(|value| value.is_finite())
         })
     }
 }
@@ -101,16 +149,17 @@ pub(super) fn ratio(wanted: &PointValues, now: &PointValues) -> Option<f64> {
 /// The names of formulas at a point.
 struct PointScope<'v> {
     values: &'v Values<'v>,
-    point: usize,
+    /// The values of parameters in SI units, by name. Others have their present values.
+    parameters: &'v BTreeMap<String, f64>,
 }
 
 impl Scope for PointScope<'_> {
     fn value(&self, name: &str) -> Option<f64> {
-        let Values { circuit, scales, time_scale, points } = self.values;
+        let Values { circuit, scales, time_scale, .. } = self.values;
         if name == TIME_SCALE {
             return Some(*time_scale);
         }
-        if let Some(value) = points[self.point].get(name) {
+        if let Some(value) = self.parameters.get(name) {
             return Some(*value);
         }
         let Some(index) = circuit.derived_index(name) else { return circuit.quantities().value(name) };

@@ -208,6 +208,11 @@ impl<'c> Wiring<'c> {
         Some(place.path.iter().cloned().chain(key.split('.').map(str::to_owned)).collect())
     }
 
+    /// An element and the same element of its macro in other instances.
+    pub(super) fn twins(&self, element: usize) -> impl Iterator<Item = usize> {
+        (0..self.len()).filter(move |other| *other == element || self.are_twins(element, *other))
+    }
+
     /// Whether two elements are the same element of a macro, in different instances.
     pub(super) fn are_twins(&self, one: usize, other: usize) -> bool {
         match (&self.places[one], &self.places[other]) {

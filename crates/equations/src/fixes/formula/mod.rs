@@ -3,10 +3,14 @@
 use patchcord_expr::{Expression, Formula, Node, Operator, format_significant, round_significant};
 use serde_json::{Value, json};
 
+use super::quotient::short_quotient;
+
 /// Significant digits of a changed number. Fewer than those of f64, so that 0.1 x 3 is 0.3.
 const DIGITS: usize = 12;
 /// Significant digits of a number that must be precise.
 const PRECISE_DIGITS: usize = 14;
+/// Most digits of a number that is not written as a quotient.
+const SHORT_DIGITS: usize = 5;
 
 /// A value of the document as a product: a number, or a formula split into its factors.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +46,11 @@ impl Content {
     fn number(value: f64, digits: usize) -> Self {
         let value = round_significant(value, digits);
         Content::Number(value, format_significant(value, digits))
+    }
+
+    /// Whether it is a number with many digits.
+    fn is_long(&self) -> bool {
+        matches!(self, Content::Number(value, _) if is_long(*value))
     }
 
     /// The factor as it is written.
@@ -141,9 +150,24 @@ impl Product {
         self.times_rounded(factor, DIGITS)
     }
 
-    /// The product times a positive number, as by [`Product::times`], with more digits.
+    /// The product times a positive number, as by [`Product::times`], with more digits. A new number with many digits
+    /// becomes a short quotient if it is one.
     pub(crate) fn times_precisely(&self, factor: f64) -> Self {
-        self.times_rounded(factor, PRECISE_DIGITS)
+        let mut product = self.times_rounded(factor, PRECISE_DIGITS);
+        let is_new = |own: &Factor| !self.factors.contains(own);
+        let long = product.factors.iter().position(|own| is_new(own) && own.content.is_long());
+        let found = long.and_then(|index| match product.factors[index].content {
+            Content::Number(value, _) => Some((index, short_quotient(value)?)),
+            _ => None,
+        });
+        if let Some((index, [dividend, divisor])) = found {
+            let divides = product.factors[index].divides;
+            product.factors[index].content = Content::number(dividend, PRECISE_DIGITS);
+            let content = Content::number(divisor, PRECISE_DIGITS);
+            product.factors.insert(index + 1, Factor { content, divides: !divides });
+            product.tidy();
+        }
+        product
     }
 
     /// The product times a positive number that is rounded to this number of digits.
@@ -161,7 +185,9 @@ impl Product {
                 let changed = if divides { value / factor } else { value * factor };
                 product.factors[index].content = Content::number(changed, digits);
             }
-            None if factor < 1.0 => product.push(Content::number(1.0 / factor, digits), true),
+            None if factor < 1.0 && (is_long(factor) || !is_long(1.0 / factor)) => {
+                product.push(Content::number(1.0 / factor, digits), true);
+            }
             None => product.push(Content::number(factor, digits), false),
         }
         product.tidy();
@@ -232,6 +258,11 @@ impl Product {
     }
 }
 
+/// Whether a number has many digits, apart from rounding.
+fn is_long(value: f64) -> bool {
+    round_significant(value, SHORT_DIGITS) != round_significant(value, PRECISE_DIGITS)
+}
+
 /// Whether one pair of parentheses encloses a text.
 fn is_enclosed(text: &str) -> bool {
     let mut depth = 0;
@@ -275,113 +306,4 @@ pub(crate) fn named_nodes(node: &Node) -> Vec<&Node> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The product of a formula.
-    fn product(text: &str) -> Product {
-        Product::new(&json!(text)).unwrap()
-    }
-
-    #[test]
-    fn a_number_of_the_formula_takes_a_factor() {
-        let cases = [
-            ("K * position / force / 100", 10.0, "K * position / force / 10"),
-            ("k / m / 10", 10.0, "k / m"),
-            ("k / m", 0.1, "k / m / 10"),
-            ("k / m", 10.0, "k / m * 10"),
-            ("50 * m * v^2 / energy", 0.1, "5 * m * v^2 / energy"),
-            ("10 * y0 / lynxes", 0.1, "y0 / lynxes"),
-            ("k / 10 / 10", 10.0, "k / 10"),
-            ("sqrt(0.5) / 10", 10.0, "sqrt(0.5)"),
-            ("2 * pi / 10", 10.0, "2 * pi"),
-            ("a + b", 0.1, "(a + b) / 10"),
-            ("(a) + (b)", 0.1, "((a) + (b)) / 10"),
-            ("2.6666666666666665 * k / 10", 10.0, "2.6666666666666665 * k"),
-            ("1", 0.1, "0.1"),
-        ];
-        for (text, factor, expected) in cases {
-            assert_eq!(product(text).times(factor).value(), json!(expected), "{text}");
-        }
-        assert_eq!(Product::new(&json!(0.3)).unwrap().times(0.1).value(), json!(0.03));
-        assert_eq!(Product::new(&json!(-5)).unwrap().times(10.0).value(), json!(-50));
-        let third = Product::new(&json!(10)).unwrap();
-        assert_eq!(third.times(1.0 / 3.0).value(), json!(3.333_333_333_33));
-        assert_eq!(third.times_precisely(1.0 / 3.0).value(), json!(3.333_333_333_333_3));
-    }
-
-    #[test]
-    fn a_name_cancels_the_same_name_below_the_line() {
-        let cases = [
-            ("rho / 100 * flow", "difference", true, "rho / 100 * flow / difference"),
-            ("a / b", "b", false, "a"),
-            ("a / b^2", "b", false, "a / b^2 * b"),
-            ("a", "a", true, "1"),
-            ("1", "mu", false, "mu"),
-            ("1", "mu", true, "1 / mu"),
-        ];
-        for (text, name, divides, expected) in cases {
-            assert_eq!(product(text).times_name(name, divides).value(), json!(expected), "{text}");
-        }
-        let number = Product::new(&json!(0.4)).unwrap();
-        assert_eq!(number.times_name("k", false).value(), json!("0.4 * k"));
-    }
-
-    #[test]
-    fn two_minus_signs_cancel() {
-        let cases = [
-            ("x0 / position", "-x0 / position"),
-            ("-x0 / position", "x0 / position"),
-            ("-(-(Fk + drop) / K)", "-(Fk + drop) / K"),
-            ("a - b", "-(a - b)"),
-            ("a * (-b)", "a * b"),
-        ];
-        for (text, expected) in cases {
-            assert_eq!(product(text).negated().value(), json!(expected), "{text}");
-        }
-        assert_eq!(Product::new(&json!(-100)).unwrap().negated().value(), json!(100));
-    }
-
-    #[test]
-    fn named_factors_above_and_below_the_line_are_exchanged() {
-        let found: Vec<Value> = product("velocity / position / 10")
-            .exchanges()
-            .iter()
-            .map(|(_, product)| product.value())
-            .collect();
-        assert_eq!(found, [json!("position / velocity / 10")]);
-        assert_eq!(product("a * b / c^2 / d").exchanges().len(), 4);
-        assert!(product("a / (b + c)").exchanges().is_empty());
-    }
-
-    #[test]
-    fn divisors_that_are_powers_of_ten_count() {
-        let cases = [
-            ("k / 100", 2),
-            ("0.1 * k", 1),
-            ("k", 0),
-            ("50 * k", 0),
-            ("100 * k / 10", 1),
-            ("k / 10 / 10", 2),
-        ];
-        for (text, expected) in cases {
-            assert_eq!(product(text).divided_decades(), expected, "{text}");
-        }
-    }
-
-    #[test]
-    fn every_name_of_a_formula_can_be_another() {
-        let others = |name: &str| if name == "c" { vec!["k", "d"] } else { Vec::new() };
-        let found = renamed(&json!("sqrt(c / m) + c"), others);
-        let texts: Vec<&str> = found.iter().filter_map(Value::as_str).collect();
-        assert_eq!(texts, ["sqrt(k / m) + c", "sqrt(d / m) + c", "sqrt(c / m) + k", "sqrt(c / m) + d"]);
-        assert!(renamed(&json!(5), |_| vec!["k"]).is_empty());
-    }
-
-    #[test]
-    fn other_values_are_no_products() {
-        for value in [json!(null), json!([1]), json!("k *"), json!(true)] {
-            assert_eq!(Product::new(&value), None, "{value}");
-        }
-    }
-}
+mod tests;
