@@ -137,7 +137,8 @@ impl PatchEditor {
             quantity => {
                 let node = Node::of(&value, &mut edited_text.next_span);
                 let key = setting.rsplit('.').next().unwrap_or(setting);
-                let amount = decode_entry::amount(&node, key, (quantity, UNITS_OF_SCALE), entry, &mut findings);
+                let quantity = (quantity, UNITS_OF_SCALE);
+                let amount = decode_entry::amount(&node, key, quantity, entry, &mut findings);
                 if let Some(expanded) = elements.get_mut(element) {
                     expanded.settings[index].clone_from(&amount);
                 }

@@ -24,7 +24,8 @@ pub(crate) fn rounded(notation: &Notation, digits: usize) -> Notation {
         Notation::Call(name, arguments) => Notation::Call(name.clone(), all(arguments)),
         Notation::Cases(cases) => {
             let case = |(value, condition): &(Notation, Option<Condition>)| {
-                (rounded(value, digits), condition.as_ref().map(|condition| rounded_condition(condition, digits)))
+                let condition = condition.as_ref().map(|condition| rounded_condition(condition, digits));
+                (rounded(value, digits), condition)
             };
             Notation::Cases(cases.iter().map(case).collect())
         }

@@ -57,8 +57,8 @@ fn derivative_error(text: &str, start: usize, letter: char) -> Option<FormulaErr
 /// Returns the hint for a letter that means a derivative: `write x'`. Its text replaces the range. `None` for other
 /// letters.
 fn derivative_hint(text: &str, start: usize, letter: char) -> Option<(Range<usize>, String)> {
-    let before = name_before(text, start);
     if order_of(letter).is_some() {
+        let before = name_before(text, start);
         if before.is_empty() {
             return Some((start..start + letter.len_utf8(), PRIME_HINT.to_owned()));
         }
@@ -77,6 +77,7 @@ fn derivative_hint(text: &str, start: usize, letter: char) -> Option<(Range<usiz
         Some((plain.chars().nth(index)?, order))
     })?;
     let rest_of_name = &after[..prefix_length(after, is_name_letter)];
+    let before = name_before(text, start);
     let range = start - before.len()..start + letter.len_utf8() + rest_of_name.len();
     // A name that ends before the letter is a factor of its own.
     let factor = if before.is_empty() { String::new() } else { format!("{before} ") };
