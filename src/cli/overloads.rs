@@ -61,8 +61,8 @@ pub(super) fn overload_advice(
     };
     let (remedy, command) = if let Some(equation) = unsolved_equation(circuit, program) {
         let remedy = format!(
-            "the wiring does not solve the stated equation {equation}: correct this before the scales, because a \
-             wrong sign can cause the overload"
+            "the wiring does not solve the stated equation {equation}: correct this before the scales, because \
+             a wrong sign can cause the overload"
         );
         (remedy, command("", "says what differs"))
     } else if let Some(growing) = growing_loop_behind(circuit, program, first) {

@@ -112,8 +112,8 @@ fn the_advice_for_an_overload_names_an_equation_that_the_wiring_does_not_solve()
     fs::write(&wrong, WRONG_SIGN).unwrap();
     let text = out(&patchcord(&["run", &wrong]));
     let advice = format!(
-        "  = help: the wiring does not solve the stated equation v' = -4 x: correct this before the scales, because a \
-         wrong sign can cause the overload; `patchcord check {wrong}` says what differs\n"
+        "  = help: the wiring does not solve the stated equation v' = -4 x: correct this before the scales, because \
+         a wrong sign can cause the overload; `patchcord check {wrong}` says what differs\n"
     );
     assert!(text.contains(&advice), "{text}");
     // With the right sign, the velocity is too large: 2 * 80 V.

@@ -41,8 +41,8 @@ fn the_output_names_equations_that_the_patch_does_not_state() {
         out(&patchcord(&["scale", &format!("crates/equations/tests/systems/{system}.json")]))
     };
     let text = scaled("table-spring");
-    let line = "\nthe patch does not state restoring = spring(x): equations of a patch have no tables, so `patchcord check` does \
-                not compare it\n";
+    let line = "\nthe patch does not state restoring = spring(x): equations of a patch have no tables, so \
+                `patchcord check` does not compare it\n";
     assert!(text.contains(line), "{text}");
     assert!(!scaled("projectile").contains("does not state"));
 }

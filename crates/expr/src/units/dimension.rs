@@ -232,8 +232,7 @@ impl Dimension {
     fn factors_in_volts(self) -> Vec<(&'static str, f64)> {
         let [_, _, _, ampere, _] = self.exponents;
         let rest = self.times(Self::VOLTAGE.power(ampere));
-        let is_rest = |(name, dimension): &&(&'static str, Dimension)| *dimension == rest && !name.contains('/');
-        match NAMED.iter().find(is_rest) {
+        match NAMED.iter().find(|(name, dimension)| *dimension == rest && !name.contains('/')) {
             Some((name, _)) => vec![(*name, 1.0), ("V", -ampere)],
             None => BASE_UNITS.into_iter().zip(rest.exponents).chain([("V", -ampere)]).collect(),
         }

@@ -72,8 +72,8 @@ fn a_suggestion_for_a_sign_or_a_derivative_replaces_the_fault() {
             let Err(error) = Equation::parse(&text, &TABLES) else { break };
             let hint = error.hint.unwrap();
             let suggested = hint.strip_prefix("write ").unwrap_or_else(|| panic!("{text}: {hint}"));
-            let end = suggested.find(" instead").or_else(|| suggested.find(" for ")).unwrap_or(suggested.len());
-            text.replace_range(error.range, &suggested[..end]);
+            let end = [" instead", " for "].into_iter().find_map(|word| suggested.find(word));
+            text.replace_range(error.range, &suggested[..end.unwrap_or(suggested.len())]);
         }
         assert_eq!(text, expected);
         assert!(Equation::parse(&text, &TABLES).is_ok(), "{text}");
