@@ -7,7 +7,7 @@ use patchcord_equations::{Agreement, Detail, EquationListing, compare_equations}
 use serde_json::{Map, Value, json};
 
 /// The circuit and the program of a patch.
-fn compiled(patch: &Value) -> (Circuit, Program) {
+pub(crate) fn compiled(patch: &Value) -> (Circuit, Program) {
     let patch = Patch::from_value("patch.json", patch).unwrap_or_else(|report| panic!("{report}"));
     let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
@@ -158,48 +158,6 @@ fn a_division_by_zero_is_not_0() {
     for equation in ["x' = v + v/0", "x' = v + v^2/(v - v)", "x' = v + v^2/(x' - v)"] {
         assert_ne!(agreement(&mut patch, equation), Agreement::Solved, "{equation}");
     }
-}
-
-#[test]
-fn initial_values_are_in_the_unit_of_the_quantity() {
-    let patch = |unit: &str, initial: Value| {
-        json!({
-            "patchcord": 1,
-            "scales": {"x": {"per_volt": 1, "unit": unit}, "v": {"per_volt": 5, "unit": "mm/s"}},
-            "elements": {
-                "A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": initial},
-                "A2": {"kind": "integrator", "in": {"x1": ["A2"]}, "initial": -20},
-            },
-            "signals": {"x": {"at": "A1", "scale": "x"}, "v": {"at": "A2", "scale": "v"}},
-        })
-    };
-    let cases = [
-        ("mm", json!(80), "x = 80 mm, v = -100 mm/s"),
-        ("um", json!(0.3), "x = 0.3 um, v = -100 mm/s"),
-        ("N", json!("1 / 3"), "x = 0.333333333333 N, v = -100 mm/s"),
-        ("1", json!(2), "x = 2, v = -100 mm/s"),
-    ];
-    for (unit, initial, expected) in cases {
-        let (circuit, program) = compiled(&patch(unit, initial));
-        let text = EquationListing::new(&circuit, &program, Detail::Signals).text();
-        assert!(text.ends_with(&format!("\nat t = 0: {expected}\n")), "{text}");
-    }
-}
-
-#[test]
-fn numbers_for_readers_have_at_most_12_digits() {
-    let patch = json!({
-        "patchcord": 1,
-        "scales": {"x": {"per_volt": 0.254, "unit": "mm"}, "v": {"per_volt": 5, "unit": "mm/s"}},
-        "elements": {
-            "A1": {"kind": "integrator", "in": {"x1": ["A2"]}},
-            "A2": {"kind": "integrator", "in": {"x1": ["A1"]}},
-        },
-        "signals": {"x": {"at": "A1", "scale": "x"}},
-    });
-    let (circuit, program) = compiled(&patch);
-    let text = EquationListing::new(&circuit, &program, Detail::Elements).text();
-    assert!(text.contains("A2' = -(3937.00787402 V/(m s)) x\n"), "{text}");
 }
 
 #[test]
