@@ -10,6 +10,7 @@ use super::load::problem_check;
 use super::standard_streams::is_dash;
 use patchcord::circuit::Circuit;
 use patchcord::document::escape_controls;
+use patchcord::equations::{Agreement, compare_equations};
 use patchcord::instruments::{overload_demand, overload_remedy};
 use patchcord::ir::Program;
 use patchcord::linear::{GrowingLoop, check_size, unintended_growth};
@@ -39,8 +40,9 @@ fn overload_text(order: usize, overload: &Overload) -> String {
 
 /// What to do about the first overload of a run, in one line. Empty if there is none. `patch` is the path of the patch.
 ///
-/// If a loop that amplifies deviations can be the cause, the line names the loop: a larger scale would only delay the
-/// overload. Otherwise it has a scale or gains with their new values. It names a command only if the patch is a file:
+/// If the wiring does not solve a stated equation, the line names the equation, because a wrong sign is the likeliest
+/// cause then. If a loop that amplifies deviations can be the cause, the line names the loop: a larger scale would only
+/// delay the overload. Otherwise it has a scale or gains with their new values. It names a command only if the patch is a file:
 /// standard input cannot be read again. If the solver is unstable, the overload may be false. Then the text is empty,
 /// because the advice about the step comes first.
 pub(super) fn overload_advice(
@@ -57,18 +59,31 @@ pub(super) fn overload_advice(
         let patch = escape_controls(&quoted(patch));
         format!("; `patchcord check {patch}{options}` {purpose}")
     };
-    let (remedy, command) = match growing_loop_behind(circuit, program, first) {
-        Some(growing) => {
-            let remedy = format!("{}, and a larger scale only delays this", growing.description());
-            (remedy, command("", "says how to correct it"))
-        }
-        None => {
-            let remedy = overload_remedy(circuit, trace).unwrap_or_default();
-            (remedy, command(" --scaling", "compares scales and gains"))
-        }
+    let (remedy, command) = if let Some(equation) = unsolved_equation(circuit, program) {
+        let remedy = format!(
+            "the wiring does not solve the stated equation {equation}: correct this before the scales, because \
+             a wrong sign can cause the overload"
+        );
+        (remedy, command("", "says what differs"))
+    } else if let Some(growing) = growing_loop_behind(circuit, program, first) {
+        let remedy = format!("{}, and a larger scale only delays this", growing.description());
+        (remedy, command("", "says how to correct it"))
+    } else {
+        let remedy = overload_remedy(circuit, trace).unwrap_or_default();
+        (remedy, command(" --scaling", "compares scales and gains"))
     };
     let command: &str = if is_dash(patch) { "" } else { &command };
     format!("  = help: {remedy}{command}\n")
+}
+
+/// The first stated equation that the wiring does not solve. `None` if it solves all that can be compared, or if the
+/// patch is too large for a comparison after a run.
+fn unsolved_equation<'a>(circuit: &'a Circuit, program: &Program) -> Option<&'a str> {
+    check_size(program).ok()?;
+    let compared = compare_equations(circuit, program);
+    let is_different = |agreement: &Agreement| matches!(agreement, Agreement::Different { .. });
+    let different = compared.iter().find(|compared| is_different(&compared.agreement))?;
+    Some(circuit.equations()[different.index].value.text())
 }
 
 /// The loop of integrators that amplifies deviations and can have caused an overload. `None` if there is none, or if

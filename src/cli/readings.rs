@@ -59,7 +59,7 @@ fn sensitivities_text(trace: &Trace, runs: usize) -> String {
     if text.is_empty() { text } else { format!("\n{text}") }
 }
 
-/// The largest absolute value of every signal over all runs, which selects its unit prefix.
+/// The largest absolute value of every signal over all runs. Values that are negligible compared with it are 0.
 fn largest(readings: &[VoltmeterReading]) -> HashMap<&str, f64> {
     let mut largest = HashMap::new();
     for reading in readings {
@@ -69,11 +69,10 @@ fn largest(readings: &[VoltmeterReading]) -> HashMap<&str, f64> {
     largest
 }
 
-/// One row of the table.
-///
-/// The largest value of the signal over all runs selects the prefix of the unit.
+/// One row of the table, in the unit that the patch gives to the signal. `largest` is the largest value of the signal
+/// over all runs.
 fn line(reading: &VoltmeterReading, largest: f64) -> [String; 9] {
-    let format = QuantityFormat::new(&reading.unit, largest);
+    let format = QuantityFormat::unprefixed(&reading.unit, largest);
     [
         (reading.run + 1).to_string(),
         reading.signal.clone(),

@@ -19,10 +19,10 @@ use super::table::Table;
 use super::{print, print_json};
 use patchcord::document::{DiagnosticDocument, escape_controls, plural, read_text, unit_suffix};
 use patchcord::equations::{
-    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledDrive, ScaledProblem, ScaledQuantity,
+    NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledDrive, ScaledProblem, ScaledQuantity, codes,
     scale_problem,
 };
-use patchcord::expr::format_significant;
+use patchcord::expr::{Equation, format_significant};
 use patchcord::machines::{self, MachineModel};
 use patchcord::patch::Problem;
 
@@ -126,16 +126,27 @@ impl Arguments {
             let lines: String = scaled.steps.iter().map(|step| format!("  {step}\n")).collect();
             text += &format!("\ngain rule: coefficient * input scale / output scale = gain * pot\n{lines}");
         }
+        text += &unstated_lines(problem);
         text += &match &self.out {
-            Some(file) => format!(
-                "\nwrote {}\n\nThen:\n  patchcord check {}\n  patchcord run {}\n",
-                path_text(file),
-                quoted(file),
-                quoted(file)
-            ),
+            Some(file) => {
+                format!("\nwrote {}\n\nThen:\n{}", path_text(file), self.next_commands(file, scaled))
+            }
             None => "\n--out PATCH.json writes the patch\n".to_owned(),
         };
         text
+    }
+
+    /// The commands that continue with the written patch. A patch with more parts than its machine has cannot be checked
+    /// or run, so the problem is scaled again.
+    fn next_commands(&self, file: &Path, scaled: &ScaledProblem) -> String {
+        let file = quoted(file);
+        match scaled.warnings.findings.iter().any(|finding| finding.code == codes::MISSING_PARTS) {
+            true => {
+                let problem = quoted(&self.problem);
+                format!("  patchcord scale {problem} --machine unlimited --out {file}\n")
+            }
+            false => format!("  patchcord check {file}\n  patchcord run {file}\n"),
+        }
     }
 }
 
@@ -196,6 +207,22 @@ fn peak_lines(peaks: &[OutputPeak]) -> String {
         text += &format!("  {} ({}) peaks at {:.1} V{reason}\n", peak.output, peak.quantity, peak.volts);
     }
     text
+}
+
+/// A line for each equation of the problem that the patch does not state, because it applies a table. So a reader knows
+/// that `patchcord check` does not compare it.
+fn unstated_lines(problem: &Problem) -> String {
+    let equations = problem.patch.equations.iter().map(|placed| &placed.value);
+    let unstated = equations.filter(|equation| problem.applies_table(equation));
+    let line = |equation: &Equation| {
+        format!(
+            "the patch does not state {}: equations of a patch have no tables, so `patchcord check` does not \
+             compare it\n",
+            equation.text()
+        )
+    };
+    let lines: String = unstated.map(line).collect();
+    if lines.is_empty() { lines } else { format!("\n{lines}") }
 }
 
 /// The result as JSON.

@@ -93,6 +93,52 @@ fn a_run_with_overloads_says_once_what_to_do() {
     assert!(!out(&patchcord(&["run", &file])).contains("--scaling"));
 }
 
+/// An oscillator that states its equations. The pot of the spring is at the inverse of x, so it pushes x away.
+const WRONG_SIGN: &str = r#"{"patchcord": 1, "title": "wrong sign",
+    "scales": {"position": {"per_volt": 1, "unit": "1"}},
+    "elements": {
+    "A1": {"kind": "integrator", "in": {"x1": ["B1"]}, "initial": 40},
+    "P1": {"kind": "pot", "in": "B2", "setting": 0.4},
+    "A2": {"kind": "integrator", "in": {"x10": ["P1"]}},
+    "B1": {"kind": "inverter", "in": "A2"},
+    "B2": {"kind": "inverter", "in": "A1"}
+}, "signals": {"x": {"at": "A1", "scale": "position"}, "v": {"at": "A2", "scale": "position"}},
+"equations": ["x' = v", "v' = -4 x"], "run": {"for": 3, "step": 0.001}}"#;
+
+#[test]
+fn the_advice_for_an_overload_names_an_equation_that_the_wiring_does_not_solve() {
+    let folder = tempfile::tempdir().unwrap();
+    let [wrong, right] = ["wrong.json", "right.json"].map(|name| path(&folder, name));
+    fs::write(&wrong, WRONG_SIGN).unwrap();
+    let text = out(&patchcord(&["run", &wrong]));
+    let advice = format!(
+        "  = help: the wiring does not solve the stated equation v' = -4 x: correct this before the scales, because \
+         a wrong sign can cause the overload; `patchcord check {wrong}` says what differs\n"
+    );
+    assert!(text.contains(&advice), "{text}");
+    // With the right sign, the velocity is too large: 2 * 80 V.
+    let corrected = WRONG_SIGN.replace(r#""in": "B2""#, r#""in": "A1""#).replace("40}", "80}");
+    fs::write(&right, corrected).unwrap();
+    let text = out(&patchcord(&["run", &right]));
+    assert!(text.contains("; `patchcord check ") && text.contains(" --scaling` compares"), "{text}");
+    assert!(!text.contains("stated equation"), "{text}");
+}
+
+#[test]
+fn readings_are_in_the_unit_of_the_patch() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "current.json");
+    let patch = r#"{"patchcord": 1, "scales": {"current": {"per_volt": 0.005, "unit": "A"}},
+        "elements": {"A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": 80}},
+        "signals": {"i": {"at": "A1", "scale": "current"}}, "run": {"for": 1, "step": 0.001}}"#;
+    fs::write(&file, patch).unwrap();
+    let text = out(&patchcord(&["run", &file]));
+    let rows = text.lines().filter(|line| line.starts_with("i "));
+    let row: Vec<&str> = rows.flat_map(str::split_whitespace).collect();
+    // 0.4 A / e
+    assert_eq!(row, ["i", "A", "0.4", "0.1472", "0.1472", "1", "0.4", "0"], "{text}");
+}
+
 #[test]
 fn an_overload_of_an_unstable_solver_gets_no_advice_about_scales() {
     let folder = tempfile::tempdir().unwrap();

@@ -20,6 +20,31 @@ fn a_machine_with_too_few_parts_gives_a_warning_and_a_patch() {
     assert_eq!(missing[0]["severity"], "warning");
     assert!(!document["quantities"].as_array().unwrap().is_empty());
     assert!(Path::new(&file).is_file());
+    assert!(missing[0]["hint"].as_str().unwrap().contains("--machine unlimited"), "{diagnostics:?}");
+
+    // A check refuses the patch. The commands in the text lead to one that it accepts.
+    let checked = errors(&patchcord(&["check", &file]));
+    assert!(checked.contains("write \"machine\": \"unlimited\""), "{checked}");
+    let text = out(&patchcord(&["scale", problem, "--machine", "solartron-1451", "--out", &file]));
+    let command = format!("patchcord scale {problem} --machine unlimited --out {file}");
+    assert!(text.ends_with(&format!("\nThen:\n  {command}\n")), "{text}");
+    let arguments: Vec<&str> = command.split(' ').skip(1).collect();
+    let text = out(&patchcord(&arguments));
+    let commands = format!("\nThen:\n  patchcord check {file}\n  patchcord run {file}\n");
+    assert!(text.ends_with(&commands), "{text}");
+    assert_eq!(code(&patchcord(&["check", &file])), 0);
+}
+
+#[test]
+fn the_output_names_equations_that_the_patch_does_not_state() {
+    let scaled = |system: &str| {
+        out(&patchcord(&["scale", &format!("crates/equations/tests/systems/{system}.json")]))
+    };
+    let text = scaled("table-spring");
+    let line = "\nthe patch does not state restoring = spring(x): equations of a patch have no tables, so \
+                `patchcord check` does not compare it\n";
+    assert!(text.contains(line), "{text}");
+    assert!(!scaled("projectile").contains("does not state"));
 }
 
 #[test]

@@ -42,11 +42,27 @@ impl QuantityFormat {
             Ok(parsed) => engineering(&parsed, largest.abs()),
             Err(_) => (1.0, unit.to_owned()),
         };
-        QuantityFormat {
-            factor,
-            largest: largest.abs(),
-            unit: if shown == "1" { String::new() } else { shown },
-        }
+        QuantityFormat::with_factor(factor, largest, shown)
+    }
+
+    /// The format for values in `unit` as it is written, without another prefix.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_analysis::format::QuantityFormat;
+    ///
+    /// let format = QuantityFormat::unprefixed("A", 0.4301);
+    /// assert_eq!((format.text(0.4301), format.number(-0.002)), ("0.4301 A".to_owned(), "-0.002".to_owned()));
+    /// ```
+    pub fn unprefixed(unit: &str, largest: f64) -> Self {
+        QuantityFormat::with_factor(1.0, largest, unit.to_owned())
+    }
+
+    /// The format with a factor and the unit that is printed.
+    fn with_factor(factor: f64, largest: f64, unit: String) -> Self {
+        let unit = if unit == "1" { String::new() } else { unit };
+        QuantityFormat { factor, largest: largest.abs(), unit }
     }
 
     /// Converts a value to the printed unit.

@@ -33,7 +33,7 @@ pub mod codes {
         NO_CIRCUIT "no-circuit" Error "A part of a problem has no circuit with these values and scales."
             "give the quantity another \"maximum\", or write the equation in another form";
         MISSING_PARTS "missing-parts" Warning "A scaled patch needs more parts than its machine has."
-            "write the equations with fewer of them, or use the machine \"unlimited\"";
+            "`patchcord check` and `patchcord run` refuse the patch: scale the problem with --machine unlimited, or write it with fewer equations, products and functions";
     }
 }
 

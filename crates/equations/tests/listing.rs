@@ -7,7 +7,7 @@ use patchcord_equations::{Agreement, Detail, EquationListing, compare_equations}
 use serde_json::{Map, Value, json};
 
 /// The circuit and the program of a patch.
-fn compiled(patch: &Value) -> (Circuit, Program) {
+pub(crate) fn compiled(patch: &Value) -> (Circuit, Program) {
     let patch = Patch::from_value("patch.json", patch).unwrap_or_else(|report| panic!("{report}"));
     let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));

@@ -9,6 +9,7 @@ mod compare;
 #[allow(dead_code, reason = "the tests of several crates share the file")]
 mod files;
 mod implicit;
+mod listed_numbers;
 mod listing;
 mod mistakes;
 mod parameters;

@@ -22,7 +22,7 @@ use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::Circuit;
-use crate::document::{Code, Diagnostic, Placed, formula_diagnostic};
+use crate::document::{Code, Diagnostic, Placed, dimension_diagnostic, formula_diagnostic};
 use crate::patch::{Patch, is_time_dimensionless};
 use names::{NameChecker, how_to_add};
 use patchcord_expr::{Dimension, Equation, Expression, FormulaError, Node, Scope, split_primes};
@@ -141,9 +141,10 @@ impl EquationChecker<'_> {
             if !self.has_dimensions(equation, placed.value.right()) {
                 continue;
             }
-            match placed.value.right_dimension(&self.scope()) {
+            let dimension = placed.value.right_dimension(&self.scope());
+            match dimension {
                 Ok(dimension) => self.auxiliaries[first.index()] = Some(dimension.or_dimensionless()),
-                Err(error) => findings.push(formula_diagnostic(Code::UNIT_MISMATCH, placed, error)),
+                Err(error) => findings.push(dimension_diagnostic(&self.scope(), placed, error)),
             }
         }
     }
@@ -193,7 +194,7 @@ impl EquationChecker<'_> {
                 && !definitions.contains(&index)
                 && let Err(error) = equation.dimension_check(&scope)
             {
-                findings.push(formula_diagnostic(Code::UNIT_MISMATCH, placed, error));
+                findings.push(dimension_diagnostic(&scope, placed, error));
             }
         }
     }

@@ -84,9 +84,9 @@ fn too_few_parts(
         });
     let available = if available == 0 { "none".to_owned() } else { available.to_string() };
     let message = format!("the patch uses {}, and the {} has {available}", part.counted(count), machine.name);
-    let hint = Some("use fewer, or use the machine \"unlimited\"".to_owned());
+    let hint = "use fewer of them, or write \"machine\": \"unlimited\", which has any number of parts";
     let span = first_without.map(|(name, entry)| macros::instance_span(patch, name).unwrap_or(entry.span));
-    Diagnostic { code: Code::INVENTORY, span, message, hint }
+    Diagnostic { code: Code::INVENTORY, span, message, hint: Some(hint.to_owned()) }
 }
 
 /// Checks the lists of machine parts: their length, and that no part is listed twice.

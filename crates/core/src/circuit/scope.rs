@@ -12,7 +12,8 @@ use indexmap::IndexMap;
 
 use super::parameters::parameters;
 use crate::document::{
-    Code, Diagnostic, Placed, Span, TIME_SCALE, check_cycles, formula_diagnostic, unit_mismatch,
+    ADVICE_WITHOUT_SCALES, Code, Diagnostic, Placed, Span, TIME_SCALE, check_cycles, formula_diagnostic,
+    unit_mismatch,
 };
 use crate::patch::{Patch, UnreadNames};
 use derived::{Derivation, derivations};
@@ -54,6 +55,8 @@ pub struct Quantities {
     time_scale: f64,
     /// Names that the document may define in parts that could not be read.
     unread: UnreadNames,
+    /// Whether the document can have scales. A problem cannot.
+    has_scales: bool,
 }
 
 /// A quantity that formulas can name.
@@ -84,6 +87,7 @@ impl Quantities {
             ranks: vec![None; derivations.len()],
             time_scale: patch.time_scale,
             unread: patch.unread_names().clone(),
+            has_scales: !patch.is_problem(),
         };
         quantities.evaluate_derived(patch, &derivations, findings);
         quantities.check_unused_defaults(patch, findings);
@@ -221,7 +225,10 @@ impl Quantities {
             && !fits(found)
         {
             let message = format!("{} {}, but {expected} is expected here", formula.text(), describe(found));
-            let hint = fits(Dimension::NONE).then(|| self.divisor(found, fits(Dimension::VOLTAGE)));
+            let hint = match fits(Dimension::NONE) {
+                true => Some(self.divisor(found, fits(Dimension::VOLTAGE))),
+                false => (!self.has_scales).then(|| ADVICE_WITHOUT_SCALES.to_owned()),
+            };
             findings.push(Diagnostic::at(Code::UNIT_MISMATCH, placed.span, message).maybe_hint(hint));
             return None;
         }
@@ -236,6 +243,7 @@ impl Quantities {
         let scales = self.scales().filter(|(_, scale)| expects_volts && scale.unit.dimension() == found);
         let scales: Vec<&str> = scales.map(|(name, _)| name.as_str()).collect();
         match scales.as_slice() {
+            _ if !self.has_scales => format!("divide it by a quantity in {found}, made of parameters"),
             [] => format!("divide it by a quantity in {found}, made of parameters and scales"),
             [only] => format!("divide it by the scale {only} to get volts"),
             several => {
@@ -293,6 +301,10 @@ impl Scope for Quantities {
 
     fn declared_unit(&self, name: &str) -> Option<&str> {
         self.find(name).map(|quantity| quantity.unit.text())
+    }
+
+    fn has_scales(&self) -> bool {
+        self.has_scales
     }
 
     fn names(&self) -> Vec<&str> {

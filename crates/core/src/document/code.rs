@@ -169,7 +169,7 @@ impl Code {
         MISSING_GAIN "missing-gain" Error "The machine does not have this input gain."
             "use an input gain of the machine, with a pot in front of it";
         INVENTORY "inventory" Error "The patch needs more parts than the machine has."
-            "use fewer, or use the machine \"unlimited\"";
+            "use fewer of them, or write \"machine\": \"unlimited\", which has any number of parts";
         PART_TWICE "part-twice" Error "Two elements use the same part of the machine."
             "the machine has each part once";
         PART_COUNT "part-count" Error "An element lists a wrong number of parts."

@@ -9,6 +9,10 @@ use super::fields::Findings;
 use super::wording::suggestion;
 use patchcord_expr::{Expression, Formula, FormulaError, Node, Operator, Scope, Unit};
 
+/// The advice about units that differ if no scale can be named.
+pub(crate) const ADVICE_WITHOUT_SCALES: &str =
+    "multiply or divide by parameters until both sides have the same unit";
+
 /// The diagnostic for a formula whose unit cannot be determined.
 ///
 /// The code is `UnknownName` if the formula contains a name that `scope` does not have, otherwise `UnitMismatch`.
@@ -23,7 +27,7 @@ pub fn unit_mismatch(
     let faulty = formula.text().get(error.range.clone()).unwrap_or_default();
     let is_unknown_name = formula.names().contains(&faulty) && scope.dimension(faulty).is_none();
     if !is_unknown_name {
-        return formula_diagnostic(Code::UNIT_MISMATCH, placed, error);
+        return dimension_diagnostic(scope, placed, error);
     }
     let advice = unit_advice(scope, formula.text(), &[formula.root()], &error, expected);
     let hint = advice
@@ -107,6 +111,19 @@ fn is_unit(node: &Node) -> bool {
         Expression::Binary(Operator::Power, base, _) => is_unit(base),
         _ => false,
     }
+}
+
+/// The diagnostic for units that differ in a formula or an equation. Without a hint of its own, it advises parameters,
+/// and also scales if the scope has them.
+pub(crate) fn dimension_diagnostic<T>(
+    scope: &dyn Scope,
+    placed: &Placed<T>,
+    mut error: FormulaError,
+) -> Diagnostic {
+    if !scope.has_scales() {
+        error.hint.get_or_insert_with(|| ADVICE_WITHOUT_SCALES.to_owned());
+    }
+    formula_diagnostic(Code::UNIT_MISMATCH, placed, error)
 }
 
 /// The diagnostic for an error of a formula or an equation. Its position is the faulty part of the formula.

@@ -42,7 +42,7 @@ pub use code::{Code, CodeEntry};
 pub use derivative::{derivative_name, derivative_of, derivative_unit};
 pub use diagnostic::{Diagnostic, Severity, Span, any_error};
 pub use file::{DocumentError, read_text};
-pub(crate) use formula_error::{check_cycles, unit_advice};
+pub(crate) use formula_error::{ADVICE_WITHOUT_SCALES, check_cycles, dimension_diagnostic, unit_advice};
 pub use formula_error::{formula_diagnostic, unit_mismatch};
 pub use input_file::InputFile;
 pub use json_value::json_value;

@@ -85,7 +85,7 @@ impl SettingQuantity {
     }
 
     /// The unit of a number alone, or the form of the value, in words.
-    pub(crate) fn unit(self) -> &'static str {
+    pub(crate) const fn unit(self) -> &'static str {
         match self {
             SettingQuantity::Fraction | SettingQuantity::Ratio => "1",
             SettingQuantity::Whole => "whole number",

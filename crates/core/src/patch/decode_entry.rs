@@ -19,6 +19,30 @@ use crate::document::{Code, Diagnostic, Placed, Span, formula_in, suggestion};
 use crate::elements::{self, Family, Kind, Setting, SettingDefault, SettingQuantity};
 use crate::machines::Part;
 
+/// The unit of a drive's signal and that of its rate, as hints describe them.
+#[derive(Clone, Copy)]
+pub(super) struct SignalUnits<'a> {
+    /// The unit of the signal.
+    pub value: &'a str,
+    /// The unit of the signal per second.
+    pub rate: &'a str,
+}
+
+/// The units of a signal with a scale. Elements have no settings in these units.
+pub(super) const UNITS_OF_SCALE: SignalUnits<'static> =
+    SignalUnits { value: SettingQuantity::Signal.unit(), rate: SettingQuantity::SignalRate.unit() };
+
+impl<'a> SignalUnits<'a> {
+    /// The unit of a setting of this quantity, or the form of its value, in words.
+    fn of(self, quantity: SettingQuantity) -> &'a str {
+        match quantity {
+            SettingQuantity::Signal => self.value,
+            SettingQuantity::SignalRate => self.rate,
+            _ => quantity.unit(),
+        }
+    }
+}
+
 /// Decodes an element or a drive. `None` if its kind cannot be read.
 ///
 /// An element and a drive differ in two keys: only a drive has "scale", and only an element has "uses".
@@ -27,7 +51,7 @@ pub(super) fn element_entry(
     family: Family,
     findings: &mut Findings,
 ) -> Option<ElementEntry> {
-    entry_with(source, family, findings, |fields, entry, findings| match family {
+    entry_with(source, family, UNITS_OF_SCALE, findings, |fields, entry, findings| match family {
         Family::Drive => {
             let scale = fields.require("scale", "the scale of the drive's output");
             entry.scale = scale.and_then(|node| string(node, "scale", findings));
@@ -40,12 +64,13 @@ pub(super) fn element_entry(
 }
 
 /// Decodes the keys that all elements and drives have, and then those that `decode_other_keys` takes. `None` if the kind
-/// cannot be read.
+/// cannot be read. Hints about settings name the `units` of the signal.
 ///
 /// A key that is left over may be a misspelled jack, so the entry then counts as incomplete.
 pub(super) fn entry_with(
     source: &tree::KeyValue,
     family: Family,
+    units: SignalUnits<'_>,
     findings: &mut Findings,
     decode_other_keys: impl FnOnce(&mut Fields<'_>, &mut ElementEntry, &mut Findings),
 ) -> Option<ElementEntry> {
@@ -65,13 +90,13 @@ pub(super) fn entry_with(
         span: source.key_span,
     };
     plugs(&mut fields, &mut entry, findings);
-    settings(&mut fields, "", &mut entry, findings);
+    settings(&mut fields, "", units, &mut entry, findings);
     for group in setting_groups(kind) {
         if let Some(node) = fields.take(group)
             && let Some(mut inner) = Fields::of(node, format!("\"{group}\""), findings)
         {
             let group = format!("{group}.");
-            settings(&mut inner, &group, &mut entry, findings);
+            settings(&mut inner, &group, units, &mut entry, findings);
             inner.finish_with_advice(&|key| elements::key_advice(kind, &group, key), findings);
         }
     }
@@ -197,7 +222,13 @@ fn setting_groups(kind: &Kind) -> Vec<&'static str> {
 
 /// Decodes the settings whose names consist of the prefix and a key of `fields`. The prefix is empty, or a group and a
 /// dot.
-fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut ElementEntry, findings: &mut Findings) {
+fn settings(
+    fields: &mut Fields<'_>,
+    prefix: &str,
+    units: SignalUnits<'_>,
+    entry: &mut ElementEntry,
+    findings: &mut Findings,
+) {
     for (index, setting) in entry.kind.settings.iter().enumerate() {
         let Some(key) = setting.name.strip_prefix(prefix).filter(|key| !key.contains('.')) else { continue };
         let node = match setting.default {
@@ -209,7 +240,7 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut ElementEntry, fin
             Some(purpose) => {
                 entry.table_files.extend(table_file::decode_table_file(node, index, purpose, findings));
             }
-            None => entry.settings[index] = amount(node, key, setting.quantity, entry, findings),
+            None => entry.settings[index] = amount(node, key, (setting.quantity, units), entry, findings),
         }
     }
 }
@@ -239,7 +270,7 @@ fn table_purpose(quantity: SettingQuantity, entry: &ElementEntry) -> Option<Tabl
 pub(super) fn amount(
     node: &Node,
     key: &str,
-    quantity: SettingQuantity,
+    (quantity, units): (SettingQuantity, SignalUnits<'_>),
     entry: &ElementEntry,
     findings: &mut Findings,
 ) -> Option<Placed<Amount>> {
@@ -250,7 +281,7 @@ pub(super) fn amount(
         SettingQuantity::Curve(symmetry_setting) => {
             Amount::Points(curve(node, key, symmetry(entry, symmetry_setting), findings)?)
         }
-        _ => Amount::Formula(formula_in(node, key, Some(quantity.unit()), findings)?.value),
+        _ => Amount::Formula(formula_in(node, key, Some(units.of(quantity)), findings)?.value),
     };
     Some(Placed { value, span: node.span })
 }

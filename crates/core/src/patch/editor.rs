@@ -12,6 +12,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::document::Patch;
+use super::decode_entry::UNITS_OF_SCALE;
 use super::edit::EditError;
 use super::macros::{self, Macros, SectionEntry};
 use super::render::{DocumentEdit, render};
@@ -136,6 +137,7 @@ impl PatchEditor {
             quantity => {
                 let node = Node::of(&value, &mut edited_text.next_span);
                 let key = setting.rsplit('.').next().unwrap_or(setting);
+                let quantity = (quantity, UNITS_OF_SCALE);
                 let amount = decode_entry::amount(&node, key, quantity, entry, &mut findings);
                 if let Some(expanded) = elements.get_mut(element) {
                     expanded.settings[index].clone_from(&amount);

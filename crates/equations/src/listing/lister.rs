@@ -1,14 +1,14 @@
 //! Writes the laws of a system.
 
 use patchcord_core::patch::Patch;
-use patchcord_expr::Dimension;
+use patchcord_expr::{Dimension, Unit, round_significant};
 
 use super::modes::joined;
-use super::{EquationListing, InitialValue, ModeChange, ModeDescription, TableDescription};
+use super::{EquationListing, InitialValue, ModeChange, ModeDescription, SHOWN_DIGITS, TableDescription};
 use crate::derive::{Law, LawKind, ModeLaw, System, TransitionLaw};
 use crate::notation::{
     Comparison, Condition, Notation, Relation, WrittenEquation, conditions_latex, conditions_text,
-    equation_latex, text,
+    equation_latex, rounded_condition, rounded_equation, text,
 };
 use crate::symbolic::{Fraction, Symbol};
 use crate::writing::Writer;
@@ -113,14 +113,26 @@ impl Lister<'_> {
         WrittenEquation { left: self.writer.name(of), right: Notation::Call("delay".to_owned(), arguments) }
     }
 
-    /// The initial value of a law.
+    /// The initial value of a law. A number is in the unit of the quantity.
     fn initial(&self, law: &Law) -> Option<InitialValue> {
         let (LawKind::State { initial, .. } | LawKind::Delay { initial, .. }) = &law.kind else {
             return None;
         };
         let dimension = self.system.symbols.entry(law.of).dimension;
         let value = self.writer.expression(initial, Some(dimension));
+        let value = match self.unit(law.of) {
+            Some(unit) => in_unit(value, &unit),
+            None => value,
+        };
         Some(InitialValue { quantity: self.writer.name(law.of), value })
+    }
+
+    /// The unit of a quantity in the patch. `None` if its signal has no scale.
+    fn unit(&self, of: Symbol) -> Option<Unit> {
+        let entry = self.system.symbols.entry(of);
+        let scale = self.patch.signals.get(&entry.name)?.scale.as_ref()?;
+        let unit = self.patch.scales.get(&scale.value)?.unit.clone();
+        Some((0..entry.primes).fold(unit, |unit, _| unit.per_second()))
     }
 
     /// A mode with its changes.
@@ -131,7 +143,9 @@ impl Lister<'_> {
         };
         let change = |transition: &TransitionLaw| {
             let condition = self.writer.condition(&transition.guard, transition.is_strict);
-            let reset = transition.reset.as_ref().map(|(of, to)| self.definition(*of, to));
+            let condition = rounded_condition(&condition, SHOWN_DIGITS);
+            let reset = transition.reset.as_ref();
+            let reset = reset.map(|(of, to)| rounded_equation(&self.definition(*of, to), SHOWN_DIGITS));
             ModeChange {
                 from: name(transition.from),
                 to: name(transition.to),
@@ -162,6 +176,38 @@ impl Lister<'_> {
             })
             .collect()
     }
+}
+
+/// A number in SI units as a number in this unit. Other expressions stay, and numbers in units of another dimension.
+fn in_unit(value: Notation, unit: &Unit) -> Notation {
+    if let Notation::Negative(inner) = value {
+        return Notation::Negative(Box::new(in_unit(*inner, unit)));
+    }
+    let number = number_with_unit(&value).filter(|(_, si)| is_in(si, unit)).map(|(number, _)| number);
+    match number {
+        Some(number) => Notation::Number {
+            value: round_significant(unit.out_of_si(number), SHOWN_DIGITS),
+            unit: Some(unit.text().to_owned()),
+        },
+        None => value,
+    }
+}
+
+/// The value of a number with a unit, also of one over a pure number, and the unit. `None` for other expressions.
+fn number_with_unit(value: &Notation) -> Option<(f64, &str)> {
+    match value {
+        Notation::Number { value, unit } => Some((*value, unit.as_deref()?)),
+        Notation::Quotient(top, bottom) => {
+            let Notation::Number { value: divisor, unit: None } = &**bottom else { return None };
+            number_with_unit(top).map(|(number, unit)| (number / divisor, unit))
+        }
+        _ => None,
+    }
+}
+
+/// Whether the text of a unit has the dimension of another unit.
+fn is_in(text: &str, unit: &Unit) -> bool {
+    Unit::parse(text).is_ok_and(|parsed| parsed.dimension() == unit.dimension())
 }
 
 /// An equation as text on one line.

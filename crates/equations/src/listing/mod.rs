@@ -10,13 +10,18 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 
 use crate::derive::{Options, derive, simplified, without_unnamed_ramps};
-use crate::notation::{LINE_WIDTH, Notation, WrittenEquation, aligned, latex, text};
+use crate::notation::{
+    LINE_WIDTH, Notation, WrittenEquation, aligned, latex, rounded, rounded_equation, text,
+};
 use crate::writing::Writer;
 pub use document::{InitialDocument, ListingDocument};
 use lister::Lister;
 pub use modes::{ModeChange, ModeDescription};
 pub use remarks::Remark;
 pub use tables::TableDescription;
+
+/// The most significant digits of a number in texts for readers. Further digits are mostly rounding of conversions.
+const SHOWN_DIGITS: usize = 12;
 
 /// How much of a patch its equations show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,15 +95,16 @@ impl EquationListing {
         lister.listing()
     }
 
-    /// The equations as plain text, with the sections that apply.
+    /// The equations as plain text, with the sections that apply. Numbers have at most 12 digits.
     pub fn text(&self) -> String {
-        let mut sections = vec![lines(self.equations.iter().map(WrittenEquation::text))];
+        let written = |equation: &WrittenEquation| rounded_equation(equation, SHOWN_DIGITS).text();
+        let mut sections = vec![lines(self.equations.iter().map(written))];
         if !self.initial.is_empty() {
-            sections
-                .push(wrapped("at t = 0:", &self.initial.iter().map(InitialValue::text).collect::<Vec<_>>()));
+            let initial = self.initial.iter().map(|initial| initial.rounded().text());
+            sections.push(wrapped("at t = 0:", &initial.collect::<Vec<_>>()));
         }
         if !self.drives.is_empty() {
-            sections.push(format!("drives:\n{}", lines(self.drives.iter().map(WrittenEquation::text))));
+            sections.push(format!("drives:\n{}", lines(self.drives.iter().map(written))));
         }
         sections.extend(self.modes.iter().map(ModeDescription::text));
         sections.extend(self.tables.iter().map(TableDescription::text));
@@ -111,9 +117,12 @@ impl EquationListing {
 
     /// The equations, initial values and drives in LaTeX, as one `align` environment. Modes, tables and remarks follow it.
     pub fn latex(&self) -> String {
-        let sides = |equation: &WrittenEquation| (latex(&equation.left), latex(&equation.right));
-        let initial =
-            self.initial.iter().map(|entry| (format!("{}(0)", latex(&entry.quantity)), latex(&entry.value)));
+        let sides = |equation: &WrittenEquation| {
+            let rounded = rounded_equation(equation, SHOWN_DIGITS);
+            (latex(&rounded.left), latex(&rounded.right))
+        };
+        let initial = self.initial.iter().map(InitialValue::rounded);
+        let initial = initial.map(|entry| (format!("{}(0)", latex(&entry.quantity)), latex(&entry.value)));
         let drives = self.drives.iter().map(sides);
         let mut sections = vec![aligned(self.equations.iter().map(sides).chain(initial).chain(drives))];
         sections.extend(self.modes.iter().map(ModeDescription::latex));
@@ -128,6 +137,11 @@ impl InitialValue {
     /// "quantity = value" as plain text.
     pub fn text(&self) -> String {
         format!("{} = {}", text(&self.quantity), text(&self.value))
+    }
+
+    /// The same with rounded numbers.
+    fn rounded(&self) -> Self {
+        Self { quantity: self.quantity.clone(), value: rounded(&self.value, SHOWN_DIGITS) }
     }
 }
 

@@ -13,7 +13,7 @@ mod text;
 pub use json::EquationDocument;
 pub(crate) use latex::{aligned, conditions_latex};
 pub use latex::{document, equation_latex, latex};
-pub(crate) use rounding::{is_one, rounded};
+pub(crate) use rounding::{is_one, rounded, rounded_condition, rounded_equation};
 pub(crate) use symbols::{escaped, function_latex};
 pub use text::{LINE_WIDTH, equation_text, text};
 pub(crate) use text::{conditions_text, primed};

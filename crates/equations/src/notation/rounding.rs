@@ -2,7 +2,7 @@
 
 use patchcord_expr::round_significant;
 
-use super::{Comparison, Condition, Notation};
+use super::{Comparison, Condition, Notation, WrittenEquation};
 
 /// An expression whose numbers have at most `digits` significant digits. A factor of a product that is then 1 is left
 /// out.
@@ -24,15 +24,22 @@ pub(crate) fn rounded(notation: &Notation, digits: usize) -> Notation {
         Notation::Call(name, arguments) => Notation::Call(name.clone(), all(arguments)),
         Notation::Cases(cases) => {
             let case = |(value, condition): &(Notation, Option<Condition>)| {
-                (rounded(value, digits), condition.as_ref().map(|condition| in_condition(condition, digits)))
+                let condition = condition.as_ref().map(|condition| rounded_condition(condition, digits));
+                (rounded(value, digits), condition)
             };
             Notation::Cases(cases.iter().map(case).collect())
         }
     }
 }
 
+/// An equation with rounded numbers on both sides.
+pub(crate) fn rounded_equation(equation: &WrittenEquation, digits: usize) -> WrittenEquation {
+    let [left, right] = [&equation.left, &equation.right].map(|side| rounded(side, digits));
+    WrittenEquation { left, right }
+}
+
 /// A condition with rounded numbers.
-fn in_condition(condition: &Condition, digits: usize) -> Condition {
+pub(crate) fn rounded_condition(condition: &Condition, digits: usize) -> Condition {
     let comparison = |comparison: &Comparison| match comparison {
         Comparison::Compare { left, relation, right } => Comparison::Compare {
             left: rounded(left, digits),

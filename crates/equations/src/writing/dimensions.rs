@@ -1,9 +1,12 @@
 //! The dimensions of expressions.
 
+use num_traits::{One as _, Signed as _};
 use patchcord_expr::{Dimension, Function};
 
 use super::Writer;
-use crate::symbolic::{Application, Atom, CallOrder, Fraction, Monomial, Operation, Polynomial, nearest};
+use crate::symbolic::{
+    Application, Atom, CallOrder, Fraction, Monomial, Operation, Polynomial, Rational, nearest,
+};
 
 impl Writer<'_> {
     /// The dimension of a product.
@@ -26,10 +29,23 @@ impl Writer<'_> {
     }
 
     /// The dimension of a sum; `None` for a number.
+    ///
+    /// Of the dimensions of its terms with variables, it is the one with which the fewest numbers get a unit, so that
+    /// `t - 0.1 floor(10 t)` is a time. Without variables, it is that of the first term.
     pub(super) fn sum_dimension(&self, sum: &Polynomial) -> Option<Dimension> {
-        let products = || sum.terms().map(|(product, _)| product).filter(|product| !product.is_one());
-        let with_variable = products().find(|product| !product.is_constant());
-        with_variable.or_else(|| products().next()).map(|product| self.product_dimension(product))
+        let terms = || sum.terms().filter(|(product, _)| !product.is_one());
+        let with_variable: Vec<(Dimension, &Rational)> = terms()
+            .filter(|(product, _)| !product.is_constant())
+            .map(|(product, number)| (self.product_dimension(product), number))
+            .collect();
+        let mut dimensions: Vec<Dimension> = Vec::new();
+        for (dimension, _) in &with_variable {
+            if !dimensions.contains(dimension) {
+                dimensions.push(*dimension);
+            }
+        }
+        let fewest = dimensions.into_iter().min_by_key(|dimension| unit_count(&with_variable, *dimension));
+        fewest.or_else(|| terms().next().map(|(product, _)| self.product_dimension(product)))
     }
 
     /// The dimension of a factor. Tables read and give volts, except tables of time.
@@ -88,4 +104,11 @@ impl Writer<'_> {
             }
         }
     }
+}
+
+/// The cost of a dimension for a sum of these terms: the number of terms that get a unit, and of those that need a
+/// number 1 for it.
+fn unit_count(terms: &[(Dimension, &Rational)], dimension: Dimension) -> usize {
+    let others = terms.iter().filter(|(of_term, _)| *of_term != dimension);
+    others.map(|(_, number)| 1 + usize::from(number.abs().is_one())).sum()
 }

@@ -27,6 +27,8 @@ pub(crate) struct Writer<'a> {
     pub system: &'a System,
     /// The dimensions that count as pure numbers.
     purity: Purity,
+    /// Whether parameters or quantities are currents, charges or the like, so that units have amperes.
+    is_of_circuit: bool,
     /// The written names of the symbols that do not keep their own, by the index of the symbol.
     other_names: BTreeMap<u32, String>,
 }
@@ -78,7 +80,9 @@ impl<'a> Writer<'a> {
 
     /// A writer that takes these dimensions as pure numbers.
     fn with_purity(system: &'a System, purity: Purity) -> Self {
-        Writer { system, purity, other_names: other_names(&system.symbols) }
+        let mut dimensions = system.symbols.entries().map(|(_, entry)| entry.dimension);
+        let is_of_circuit = dimensions.any(Dimension::is_of_circuit);
+        Writer { system, purity, is_of_circuit, other_names: other_names(&system.symbols) }
     }
 
     /// A writer for a system in which every dimension is physical: none counts as a pure number.
@@ -106,6 +110,14 @@ impl<'a> Writer<'a> {
         let dimension = self.dimension(&left);
         let right = right.negated();
         WrittenEquation { left: self.expression(&left, dimension), right: self.expression(&right, dimension) }
+    }
+
+    /// The unit in SI of a number of this dimension.
+    fn unit_text(&self, dimension: Dimension) -> String {
+        match self.is_of_circuit {
+            true => dimension.text_in_volts_and_amperes(),
+            false => dimension.text_in_volts(),
+        }
     }
 
     /// A quantity, or one of its derivatives.

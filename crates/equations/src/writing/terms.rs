@@ -147,6 +147,7 @@ impl Writer<'_> {
         }
         let divisors = self.factors(&part.variable, -1);
         let constants = [self.factors(&part.constant, 1), self.factors(&part.constant, -1)];
+        let unit = unit.map(|unit| self.unit_text(unit));
         let written = product(&part.number.abs(), unit, constants, [variables, divisors]);
         if part.number.is_negative() { Notation::Negative(Box::new(written)) } else { written }
     }
@@ -185,13 +186,13 @@ fn part(group: Vec<Term>) -> Part {
 /// A product: number, constants and variables, each with its divisors.
 fn product(
     coefficient: &Rational,
-    unit: Option<Dimension>,
+    unit: Option<String>,
     [constants, constant_divisors]: [Vec<Notation>; 2],
     [variables, divisors]: [Vec<Notation>; 2],
 ) -> Notation {
     let (top, bottom) = number_parts(coefficient);
     let is_one = top == 1.0 && unit.is_none();
-    let lead = (!is_one).then(|| Notation::Number { value: top, unit: unit.map(Dimension::text_in_volts) });
+    let lead = (!is_one).then(|| Notation::Number { value: top, unit });
     let below: Vec<Notation> = bottom.map(number).into_iter().chain(constant_divisors).collect();
     let above: Vec<Notation> = lead.into_iter().chain(constants).collect();
     if !divisors.is_empty() {

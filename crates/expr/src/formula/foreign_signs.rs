@@ -1,5 +1,7 @@
 //! Signs that people type or paste in equations: dotted letters, other primes, comparisons.
 
+use std::ops::Range;
+
 use super::error::FormulaError;
 use super::tokens::{PRIME, is_name_letter, prefix_length};
 
@@ -36,7 +38,7 @@ pub(super) fn error(text: &str, start: usize, first: char) -> Option<FormulaErro
     } else if let Some(sign) = starting(&COMPARISONS) {
         (sign, "an equation has no conditions: use step, limit, min or max".to_owned())
     } else {
-        (&rest[..first.len_utf8()], derivative_hint(text, start, first)?)
+        return derivative_error(text, start, first);
     };
     let message = format!("{} is not allowed in an equation", sign.escape_debug());
     Some(FormulaError::new(start..start + sign.len(), message).with_hint(hint))
@@ -45,14 +47,24 @@ pub(super) fn error(text: &str, start: usize, first: char) -> Option<FormulaErro
 /// The hint for a prime that does not follow a name.
 const PRIME_HINT: &str = "a prime follows the name of a quantity";
 
-/// Returns the hint for a letter that means a derivative: `write x'`. `None` for other letters.
-fn derivative_hint(text: &str, start: usize, letter: char) -> Option<String> {
+/// Returns the error for a letter that means a derivative. `None` for other letters.
+fn derivative_error(text: &str, start: usize, letter: char) -> Option<FormulaError> {
+    let (range, hint) = derivative_hint(text, start, letter)?;
+    let message = format!("{} is not allowed in an equation", letter.escape_debug());
+    Some(FormulaError::new(range, message).with_hint(hint))
+}
+
+/// Returns the hint for a letter that means a derivative: `write x'`. Its text replaces the range. `None` for other
+/// letters.
+fn derivative_hint(text: &str, start: usize, letter: char) -> Option<(Range<usize>, String)> {
     if order_of(letter).is_some() {
-        let orders = text[start..].chars().map_while(order_of);
-        return Some(match name_before(text, start) {
-            "" => PRIME_HINT.to_owned(),
-            name => write_derivative(name, orders.sum()),
-        });
+        let before = name_before(text, start);
+        if before.is_empty() {
+            return Some((start..start + letter.len_utf8(), PRIME_HINT.to_owned()));
+        }
+        let marks = &text[start..start + prefix_length(&text[start..], |mark| order_of(mark).is_some())];
+        let order: usize = marks.chars().filter_map(order_of).sum();
+        return Some((start - before.len()..start + marks.len(), write_derivative(before, order)));
     }
     let after = &text[start + letter.len_utf8()..];
     let is_in_word = text[..start].ends_with(char::is_alphabetic) || after.starts_with(char::is_alphabetic);
@@ -65,7 +77,11 @@ fn derivative_hint(text: &str, start: usize, letter: char) -> Option<String> {
         Some((plain.chars().nth(index)?, order))
     })?;
     let rest_of_name = &after[..prefix_length(after, is_name_letter)];
-    Some(write_derivative(&format!("{base}{rest_of_name}"), order))
+    let before = name_before(text, start);
+    let range = start - before.len()..start + letter.len_utf8() + rest_of_name.len();
+    // A name that ends before the letter is a factor of its own.
+    let factor = if before.is_empty() { String::new() } else { format!("{before} ") };
+    Some((range, write_derivative(&format!("{factor}{base}{rest_of_name}"), order)))
 }
 
 /// Returns the order of a letter that looks like a prime, or that puts dots on the letter before it. `None` for other
@@ -109,23 +125,22 @@ mod tests {
         let cases = [
             ("ẋ = v", "ẋ", "write x'"),
             ("m ẍ = F", "ẍ", "write x''"),
-            ("mẍ+cẋ = F", "ẍ", "write x''"),
+            ("mẍ+cẋ = F", "mẍ", "write m x''"),
             ("ẏ_1 = v", "ẏ_1", "write y_1'"),
-            ("x\u{307} = v", "\u{307}", "write x'"),
-            ("2phi\u{308} = v", "\u{308}", "write phi''"),
-            ("x’ = v", "’", "write x'"),
-            ("m x″ = F", "″", "write x''"),
-            ("m x’’ = F", "’", "write x''"),
-            ("m x`` = F", "`", "write x''"),
-            ("m x′' = F", "′", "write x''"),
+            ("x\u{307} = v", "x\u{307}", "write x'"),
+            ("2phi\u{308} = v", "phi\u{308}", "write phi''"),
+            ("x’ = v", "x’", "write x'"),
+            ("m x″ = F", "x″", "write x''"),
+            ("m x’’ = F", "x’’", "write x''"),
+            ("m x`` = F", "x``", "write x''"),
+            ("m x′' = F", "x′'", "write x''"),
             ("ẍ", "ẍ", "write x''"),
             ("ü = -u", "ü", "write u''"),
             ("(a)′ = 0", "′", "a prime follows the name of a quantity"),
         ];
         for (text, part, hint) in cases {
             let (found, message, found_hint) = fault(text);
-            let letter: String = part.chars().take(1).collect();
-            assert_eq!((found.as_str(), found_hint.as_str()), (letter.as_str(), hint), "{text}");
+            assert_eq!((found.as_str(), found_hint.as_str()), (part, hint), "{text}");
             assert!(message.ends_with(" is not allowed in an equation"), "{message}");
         }
     }

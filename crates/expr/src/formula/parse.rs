@@ -15,6 +15,7 @@
 //! Only an equation may have the initial value `name "(0)"`, and the product without a sign, which does not
 //! begin with a number. The module `equation` has the rules that only equations have.
 
+mod ambiguity;
 mod equation;
 
 use std::f64::consts::PI;
@@ -25,8 +26,9 @@ use super::error::FormulaError;
 use super::expression::{Expression, Node, Operator};
 use super::language::Language;
 use super::synonyms;
-use super::tokens::{Token, TokenKind, tokenize};
+use super::tokens::{PRIME, Token, TokenKind, tokenize};
 use crate::units::{Unit, nearest};
+use ambiguity::{Factor, ambiguous_product};
 
 /// The maximum length of a formula or an equation, in bytes. It bounds the time that a broken file can cost.
 const MAX_TEXT_LENGTH: usize = 2000;
@@ -102,26 +104,30 @@ impl<'t> Parser<'t> {
     /// In an equation a factor may also follow without a sign, except after a division.
     fn product(&mut self) -> Result<Node, FormulaError> {
         let mut left = self.signed()?;
-        let mut last_operator = None;
+        let mut factors = vec![Factor { operator: None, range: left.range.clone() }];
         loop {
-            if let Some(operator) = self.take_operator(&['*', '/']) {
-                let right = self.signed()?;
-                if operator == Operator::Divide {
-                    self.check_quotient(&left, &right)?;
-                }
-                left = binary(operator, left, right);
-                last_operator = Some(operator);
-            } else if self.begins_implied_factor() {
-                // It has no sign; this method counts its depth.
-                let right = self.signed()?;
-                if last_operator == Some(Operator::Divide) {
-                    return Err(self.ambiguous_product(&left, &right));
-                }
-                left = binary(Operator::Multiply, left, right);
-            } else {
-                return Ok(left);
+            let operator = self.take_operator(&['*', '/']);
+            if operator.is_none() && !self.begins_implied_factor() {
+                break;
             }
+            // A factor without a sign is no negative one; this method counts its depth.
+            let right = self.signed()?;
+            if operator == Some(Operator::Divide) {
+                self.check_quotient(&left, &right)?;
+            }
+            factors.push(Factor { operator, range: right.range.clone() });
+            left = binary(operator.unwrap_or(Operator::Multiply), left, right);
         }
+        match ambiguous_product(self.text, &factors, &|name| self.has_name(name)) {
+            Some(error) => Err(error),
+            None => Ok(left),
+        }
+    }
+
+    /// Whether the text contains a name, also with primes.
+    fn has_name(&self, name: &str) -> bool {
+        let mut names = self.tokens.iter().filter(|token| token.kind == TokenKind::Name);
+        names.any(|token| self.text_of(&token.range).trim_end_matches(PRIME) == name)
     }
 
     /// Parses an operand with any number of minus signs in front.

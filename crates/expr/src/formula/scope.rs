@@ -64,6 +64,11 @@ pub trait Scope {
         Dimension::TIME
     }
 
+    /// Whether formulas can name scales, so that a hint can advise one. Equations and problems have no scales.
+    fn has_scales(&self) -> bool {
+        true
+    }
+
     /// Returns every name that may be used; the hint for an unknown name is chosen from them.
     fn names(&self) -> Vec<&str>;
 }

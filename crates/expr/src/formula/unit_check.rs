@@ -79,7 +79,7 @@ struct UnitChecker<'m> {
     text: &'m str,
     /// The dimensions of the names, and the units in which they were declared.
     scope: &'m dyn Scope,
-    /// The language of the text. Equations have no scales, so their hints differ.
+    /// The language of the text.
     language: Language,
 }
 
@@ -315,14 +315,16 @@ impl UnitChecker<'_> {
         Ok(result)
     }
 
-    /// Returns the error for an argument with a unit. The hint says to divide it by a scale.
+    /// Whether hints can advise a scale. Equations have none, and the scope decides for formulas.
+    fn has_scales(&self) -> bool {
+        self.language == Language::Formula && self.scope.has_scales()
+    }
+
+    /// Returns the error for an argument with a unit. The hint says to divide it by a scale, if there are scales.
     fn impure(&self, callee: Callee, argument: &Node, dimension: FormulaDimension) -> FormulaError {
         let described = self.describe(argument, dimension);
         let message = format!("{} takes a pure number, but {described}", callee.name());
-        let divisor = match self.language {
-            Language::Formula => "scale",
-            Language::Equation => "parameter",
-        };
+        let divisor = if self.has_scales() { "scale" } else { "parameter" };
         FormulaError::new(argument.range.clone(), message)
             .with_hint(format!("divide it by a {divisor} in {}", self.unit(argument, dimension)))
     }
@@ -334,16 +336,16 @@ impl UnitChecker<'_> {
         (other, of_other): (&Node, FormulaDimension),
     ) -> String {
         let (number, unit) = (excerpt(self.text, number), self.unit(other, of_other));
-        match (self.language, of_number) {
-            (Language::Formula, _) => {
+        match (self.has_scales(), of_number) {
+            (true, _) => {
                 format!(
                     "declare {number} as a parameter in {unit}, or write its volts times a scale in {unit}"
                 )
             }
-            (Language::Equation, FormulaDimension::Literal) => {
+            (false, FormulaDimension::Literal) => {
                 format!("declare {number} as a parameter in {unit}")
             }
-            (Language::Equation, FormulaDimension::Of(_)) => {
+            (false, FormulaDimension::Of(_)) => {
                 format!("multiply {number} by a parameter in {unit}")
             }
         }

@@ -170,14 +170,71 @@ impl Dimension {
     /// assert_eq!(Dimension::FORCE.text_in_volts(), "N");
     /// ```
     pub fn text_in_volts(self) -> String {
-        let [_, _, _, ampere, _] = self.exponents;
-        let rest = self.times(Self::VOLTAGE.power(ampere));
-        if ampere == 0.0 {
+        if self.has_current() { format_product(self.factors_in_volts()) } else { self.to_string() }
+    }
+
+    /// The SI unit in volts, and with amperes or coulombs if the powers are then smaller: `A/(s V)` in place of
+    /// `kg m2/(s4 V2)`. For a machine whose voltages represent currents or charges.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Dimension;
+    ///
+    /// let rate = Dimension::CURRENT.over(Dimension::TIME);
+    /// assert_eq!(rate.over(Dimension::VOLTAGE).text_in_volts_and_amperes(), "A/(s V)");
+    /// assert_eq!(Dimension::VOLTAGE.over(Dimension::CHARGE).text_in_volts_and_amperes(), "V/C");
+    /// assert_eq!(Dimension::VOLTAGE.over(Dimension::LENGTH).text_in_volts_and_amperes(), "V/m");
+    /// ```
+    pub fn text_in_volts_and_amperes(self) -> String {
+        if !self.has_current() {
             return self.to_string();
         }
+        let candidates = [("A", Self::CURRENT), ("C", Self::CHARGE)].into_iter().flat_map(|(name, unit)| {
+            [1.0, -1.0, 2.0, -2.0].map(|power| {
+                let rest = self.over(unit.power(power)).factors_in_volts();
+                [(name, power)].into_iter().chain(rest).collect::<Vec<_>>()
+            })
+        });
+        let size = |factors: &[(&str, f64)]| factors.iter().map(|(_, power)| power.abs()).sum::<f64>();
+        let smallest = candidates.fold(self.factors_in_volts(), |smallest, candidate| {
+            // Rounding of the exponents must not decide between units of the same size.
+            if size(&candidate) < size(&smallest) - EXPONENT_TOLERANCE { candidate } else { smallest }
+        });
+        format_product(smallest)
+    }
+
+    /// Whether the dimension has a power of current, as volts, ohms and coulombs have.
+    fn has_current(self) -> bool {
+        let [_, _, _, ampere, _] = self.exponents;
+        ampere != 0.0
+    }
+
+    /// Whether the dimension has a power of current and is not that of volts over something without current, such as
+    /// `V/m`. Parameters of this kind belong to a circuit, and not only to the machine.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_expr::Dimension;
+    ///
+    /// assert!(Dimension::CURRENT.is_of_circuit());
+    /// assert!(Dimension::RESISTANCE.is_of_circuit());
+    /// assert!(!Dimension::VOLTAGE.over(Dimension::LENGTH).is_of_circuit());
+    /// assert!(!Dimension::FORCE.is_of_circuit());
+    /// ```
+    pub fn is_of_circuit(self) -> bool {
+        let [_, _, _, ampere, _] = self.exponents;
+        ampere > EXPONENT_TOLERANCE || ampere < -1.0 - EXPONENT_TOLERANCE
+    }
+
+    /// The factors of the SI unit with volts in place of amperes, each with its power. Some powers may be 0.
+    fn factors_in_volts(self) -> Vec<(&'static str, f64)> {
+        let [_, _, _, ampere, _] = self.exponents;
+        let rest = self.times(Self::VOLTAGE.power(ampere));
         match NAMED.iter().find(|(name, dimension)| *dimension == rest && !name.contains('/')) {
-            Some((name, _)) => format_product([(*name, 1.0), ("V", -ampere)]),
-            None => format_product(BASE_UNITS.into_iter().zip(rest.exponents).chain([("V", -ampere)])),
+            Some((name, _)) => vec![(*name, 1.0), ("V", -ampere)],
+            None => BASE_UNITS.into_iter().zip(rest.exponents).chain([("V", -ampere)]).collect(),
         }
     }
 

@@ -126,6 +126,10 @@ impl Scope for EquationScope<'_> {
         self.patch.problem_tables.as_ref()?.get(name).copied()
     }
 
+    fn has_scales(&self) -> bool {
+        false
+    }
+
     fn time(&self) -> Dimension {
         if self.is_time_dimensionless { Dimension::NONE } else { Dimension::TIME }
     }

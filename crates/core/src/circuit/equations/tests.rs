@@ -310,16 +310,17 @@ fn auxiliary_quantities_do_not_depend_on_themselves() {
 
 #[test]
 fn sides_and_terms_agree_in_dimension() {
+    let advice = "multiply or divide by parameters until both sides have the same unit";
     let mismatch = |equations: &[&str], part: &str, message: &str, hint: &str| {
         assert_fault(equations, Code::UNIT_MISMATCH, part, message, hint);
     };
-    mismatch(&["m x'' = -k x'"], "m x'' = -k x'", "m x'' is in N but -k x' is in N/s", "");
+    mismatch(&["m x'' = -k x'"], "m x'' = -k x'", "m x'' is in N but -k x' is in N/s", advice);
     mismatch(&["x = 5"], "x = 5", "x is in mm but 5 is a pure number", "declare 5 as a parameter in mm");
     let message = "x(0) is in mm but 5 is a pure number";
     mismatch(&["x(0) = 5"], "x(0) = 5", message, "declare 5 as a parameter in mm");
-    mismatch(&["x'(0) = x0"], "x'(0) = x0", "x'(0) is in m/s but x0 is in mm", "");
+    mismatch(&["x'(0) = x0"], "x'(0) = x0", "x'(0) is in m/s but x0 is in mm", advice);
     // The fault of a definition is not reported again where its quantity is used.
-    mismatch(&["b = a", "a = k + x", "F = b"], "k + x", "k is in N/m but x is in mm", "");
+    mismatch(&["b = a", "a = k + x", "F = b"], "k + x", "k is in N/m but x is in mm", advice);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::elements::Family;
 use crate::patch::ElementEntry;
 use crate::patch::decode::unit;
 use crate::patch::decode_curve::table_points;
-use crate::patch::decode_entry::entry_with;
+use crate::patch::decode_entry::{SignalUnits, entry_with};
 use patchcord_expr::Unit;
 
 /// Decodes an entry of "quantities". `None` if the unit cannot be read.
@@ -99,16 +99,33 @@ fn is_function_in_si(table: &ProblemTable) -> bool {
 pub(super) fn drive(entry: &KeyValue, findings: &mut Findings) -> Option<(ElementEntry, Unit)> {
     let mut unit = None;
     let scale = Placed { value: entry.key.clone(), span: entry.key_span };
-    let drive = entry_with(entry, Family::Drive, findings, |fields, drive, findings| {
+    let [value, rate] = stated_units(entry);
+    let units = SignalUnits { value: &value, rate: &rate };
+    let drive = entry_with(entry, Family::Drive, units, findings, |fields, drive, findings| {
         unit = drive_unit(fields, findings);
         drive.scale = Some(scale);
     })?;
     Some((drive, unit?))
 }
 
+/// The unit of a drive and that of its rate for hints, also in words if the unit cannot be read.
+fn stated_units(entry: &KeyValue) -> [String; 2] {
+    let unit = entry.value.child("unit").and_then(|node| match &node.value {
+        Content::Text(text) => Unit::parse(text).ok(),
+        _ => None,
+    });
+    match unit {
+        Some(unit) => [unit.text().to_owned(), unit.per_second().text().to_owned()],
+        None => ["unit of the drive", "unit of the drive per s"].map(str::to_owned),
+    }
+}
+
 /// Decodes the required unit of a drive. Reports a scale.
 fn drive_unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Unit> {
-    let Some((span, _)) = fields.take_with_key("scale") else { return unit(fields, findings) };
+    // A key that is taken counts as known, and a problem has no scales.
+    let has_scale = fields.remaining().any(|entry| entry.key == "scale");
+    let scale = has_scale.then(|| fields.take_with_key("scale")).flatten();
+    let Some((span, _)) = scale else { return unit(fields, findings) };
     fields.take("unit");
     let message = "a drive of a problem has a \"unit\" in place of a \"scale\"";
     let hint = "write \"unit\", the unit of its settings: `patchcord scale` chooses the scale";

@@ -30,6 +30,7 @@ fn numbers_have_the_unit_that_their_place_requires() {
         ("1/(x + 0.5)", "1/s", "(1 m/s)/(x + 0.5 m)"),
         ("F step(x - 0.1)", "N", "{F if x >= 0.1 m; 0 otherwise}"),
         ("100 step(t - 1)", "N", "{0 if t < 1 s; 100 N otherwise}"),
+        ("t - 0.1 floor(10 t)", "s", "t - (0.1 s) floor((10 1/s) t)"),
         ("3", "s", "3 s"),
         ("-5", "m", "-5 m"),
         ("0", "m", "0"),
@@ -97,6 +98,9 @@ fn an_expression_has_the_dimension_of_a_term_with_a_variable() {
         ("delay(v, Tc)", "m/s"),
         ("sin(x)", "1"),
         ("step(x)", "1"),
+        // The number of the other term gets the unit.
+        ("t - 0.1 floor(10 t)", "s"),
+        ("3 v - sin(x)", "1"),
     ];
     for (expression, unit) in cases {
         assert_eq!(writer.dimension(&fixture.read(expression)), Some(dimension(unit)), "{expression}");

@@ -2,6 +2,7 @@
 
 mod faults;
 mod random;
+mod suggestions;
 mod syntax;
 mod units;
 mod values;

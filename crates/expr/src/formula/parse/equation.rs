@@ -16,8 +16,7 @@ use crate::formula::expression::{Expression, Node, Operator};
 use crate::formula::language::Language;
 use crate::formula::synonyms;
 use crate::formula::tokens::TokenKind;
-use crate::formula::wording::excerpt;
-use crate::units::{Unit, nearest};
+use crate::units::nearest;
 
 /// The maximum number of primes after a name.
 const MAX_PRIMES: usize = 9;
@@ -57,21 +56,6 @@ impl Parser<'_> {
     pub(super) fn begins_implied_factor(&self) -> bool {
         self.language == Language::Equation
             && matches!(self.current().kind, TokenKind::Name | TokenKind::Sign('('))
-    }
-
-    /// Returns the error for a factor without a sign after a division: `a / b c`.
-    pub(super) fn ambiguous_product(&self, quotient: &Node, factor: &Node) -> FormulaError {
-        let Expression::Binary(_, dividend, divisor) = &quotient.expression else {
-            return self.superfluous();
-        };
-        let [a, b, c] = [&**dividend, &**divisor, factor].map(|node| excerpt(self.text, node));
-        let range = divisor.range.start..factor.range.end;
-        let unit = match is_number_with_unit(dividend) && Unit::parse(&b).is_ok() {
-            true => format!("; a number with a unit, such as {a}/{b}, must be a parameter"),
-            false => String::new(),
-        };
-        FormulaError::new(range, "a product without a sign after a division is ambiguous")
-            .with_hint(format!("write ({a} / {b}) {c} or {a} / ({b} {c}){unit}"))
     }
 
     /// Checks that a quotient of an equation is not a derivative in the notation `dx/dt`.
@@ -225,17 +209,6 @@ fn check_primes(name: &str, range: &Range<usize>) -> Result<(), FormulaError> {
 fn missing_parentheses(name: &str, range: Range<usize>) -> FormulaError {
     FormulaError::new(range, format!("{name} is a function: write {name}( ... )"))
         .with_hint("the arguments of a function are in parentheses")
-}
-
-/// Whether a node is a number times the name of a unit, such as `40 N`.
-fn is_number_with_unit(node: &Node) -> bool {
-    let Expression::Binary(Operator::Multiply, number, unit) = &node.expression else { return false };
-    let number = match &number.expression {
-        Expression::Negate(inner) => inner,
-        _ => number,
-    };
-    matches!(number.expression, Expression::Number(_))
-        && matches!(&unit.expression, Expression::Name(name) if Unit::parse(name).is_ok())
 }
 
 /// Whether a node is an initial value, such as `x'(0)`.

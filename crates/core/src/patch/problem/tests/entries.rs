@@ -50,6 +50,47 @@ fn a_drive_has_a_unit_and_depends_on_parameters() {
 }
 
 #[test]
+fn hints_about_a_drive_name_its_unit_and_no_scale() {
+    let from = "\"amplitude\": \"F\"";
+    let number = |written: &str, unit: &str, hint: &str| {
+        let to = format!("\"amplitude\": \"{written}\"");
+        let message = format!("\"{written}\" has a unit, but the unit of \"amplitude\" is fixed");
+        assert_finding(&[(from, to.as_str())], Code::BAD_FORMULA, unit, &message, hint);
+    };
+    number("5 V", "V", "write a number in N");
+    number("5 mN", "mN", "write 0.005, a number in N");
+    let message = "\"slope\" is not a key of the drive push";
+    let hint = "known here: kind, note, amplitude, frequency, phase, offset, unit";
+    let to = "\"amplitude\": \"F\", \"slope\": 1";
+    assert_finding(&[(from, to)], Code::UNKNOWN_KEY, "\"slope\"", message, hint);
+
+    let from = r#""kind": "sine", "unit": "N", "amplitude": "F", "frequency": 2"#;
+    let to = r#""kind": "ramp", "unit": "N", "rate": "5 mm/s""#;
+    let message = "\"5 mm/s\" has a unit, but the unit of \"rate\" is fixed";
+    assert_finding(&[(from, to)], Code::BAD_FORMULA, "mm/s", message, "write a number in N/s");
+}
+
+#[test]
+fn hints_about_units_that_differ_name_no_scale() {
+    let hint = "multiply or divide by parameters until both sides have the same unit";
+    let mismatch = |from: &str, to: &str, part: &str, message: &str, hint: &str| {
+        assert_finding(&[(from, to)], Code::UNIT_MISMATCH, part, message, hint);
+    };
+    let (from, to) = ("push - spring(x)", "push - spring(x) + x");
+    mismatch(from, to, "push - spring(x) + x", "push - spring(x) is in N but x is in mm", hint);
+    let message = "m is in kg, but N is expected here";
+    let from = "\"amplitude\": \"F\"";
+    mismatch(from, "\"amplitude\": \"m\"", "\"m\"", message, hint);
+    let (message, hint) = ("5 is a pure number but F is in N", "declare 5 as a parameter in N");
+    mismatch(from, "\"amplitude\": \"5 + F\"", "5 + F", message, hint);
+    let (message, hint) = ("sin takes a pure number, but F is in N", "divide it by a parameter in N");
+    mismatch(from, "\"amplitude\": \"F * sin(F)\"", "F", message, hint);
+    let message = "F is in N, but a pure number is expected here";
+    let hint = "divide it by a quantity in N, made of parameters";
+    mismatch("\"frequency\": 2", "\"frequency\": 2, \"phase\": \"F\"", "\"F\"", message, hint);
+}
+
+#[test]
 fn a_maximum_is_a_positive_number() {
     let from = "\"maximum\": 100";
     let message = "\"maximum\" must be above 0, not -5";

@@ -111,7 +111,8 @@ fn a_table_is_applied_to_an_argument_in_its_unit() {
     let (message, hint) = ("spring is a table", "write spring( ... ) with its argument in the parentheses");
     assert_finding(&[(from, "spring")], Code::BAD_FORMULA, "spring", message, hint);
     let message = "spring takes a quantity in m, but f is in Hz";
-    assert_finding(&[(from, "spring(f)")], Code::UNIT_MISMATCH, "f", message, "");
+    let hint = "multiply or divide by parameters until both sides have the same unit";
+    assert_finding(&[(from, "spring(f)")], Code::UNIT_MISMATCH, "f", message, hint);
     let number = ("\"out\": \"N\"", "\"out\": \"1\"");
     let message = "push is in N but spring(x) is a pure number";
     let hint = "multiply spring(x) by a parameter in N";

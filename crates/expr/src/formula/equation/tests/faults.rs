@@ -15,8 +15,24 @@ fn a_product_without_a_sign_after_a_division_is_ambiguous() {
             "F = -40 N/m x",
             "m x",
             message,
-            "write (-40 N / m) x or -40 N / (m x); a number with a unit, such as -40 N/m, must be a parameter",
+            "numbers have no units in equations: declare -40 N/m as a parameter p and write p x; if N and m are \
+             quantities, write (-40 N / m) x or -40 N / (m x)",
         ),
+        (
+            "p'' = 9.81 m/s2 / L sin(p)",
+            "L sin(p)",
+            message,
+            "numbers have no units in equations: declare 9.81 m/s2 as a parameter q and write (q / L) sin(p) or \
+             q / (L sin(p)); if m and s2 are quantities, write (9.81 m / s2 / L) sin(p) or 9.81 m / s2 / (L sin(p))",
+        ),
+        (
+            "y = 5 N / k x",
+            "k x",
+            message,
+            "write (5 N / k) x or 5 N / (k x); if 5 N is a number with a unit, declare it as a parameter",
+        ),
+        ("y = a / b c d", "b c", message, "write (a / b) c d or a / (b c d)"),
+        ("y = a / b c / d e", "b c", message, "write ((a / b) c / d) e or a / (b c) / (d e)"),
         ("y = a b / c (d + e)", "c (d + e)", message, "write (a b / c) (d + e) or a b / (c (d + e))"),
         ("y = a / b * c / d e", "d e", message, "write (a / b * c / d) e or a / b * c / (d e)"),
         ("y = 1 + a / sin(b) c", "sin(b) c", message, "write (a / sin(b)) c or a / (sin(b) c)"),
@@ -162,7 +178,7 @@ fn derivatives_are_written_with_primes() {
         ("d2x/dt2(0) = v", "d2x/dt2(0)", "d2x/dt2(0) is not a derivative here", "write x''(0)"),
         ("ẋ = v", "ẋ", "ẋ is not allowed in an equation", "write x'"),
         ("m ẍ = F", "ẍ", "ẍ is not allowed in an equation", "write x''"),
-        ("x′ = v", "′", "′ is not allowed in an equation", "write x'"),
+        ("x′ = v", "x′", "′ is not allowed in an equation", "write x'"),
     ]);
     for text in ["dx / T", "x / dt", "dx / dx", "d^2 / dt"] {
         assert!(Equation::parse(&format!("y = {text}"), &[]).is_ok(), "{text}");
