@@ -37,9 +37,8 @@ fn a_machine_with_too_few_parts_gives_a_warning_and_a_patch() {
 
 #[test]
 fn the_output_names_equations_that_the_patch_does_not_state() {
-    let scaled = |system: &str| {
-        out(&patchcord(&["scale", &format!("crates/equations/tests/systems/{system}.json")]))
-    };
+    let scaled =
+        |system: &str| out(&patchcord(&["scale", &format!("crates/equations/tests/systems/{system}.json")]));
     let text = scaled("table-spring");
     let line = "\nthe patch does not state restoring = spring(x): equations of a patch have no tables, so \
                 `patchcord check` does not compare it\n";

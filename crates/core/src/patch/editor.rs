@@ -11,8 +11,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::document::Patch;
 use super::decode_entry::UNITS_OF_SCALE;
+use super::document::Patch;
 use super::edit::EditError;
 use super::macros::{self, Macros, SectionEntry};
 use super::render::{DocumentEdit, render};

@@ -192,7 +192,7 @@ fn product(
 ) -> Notation {
     let (top, bottom) = number_parts(coefficient);
     let is_one = top == 1.0 && unit.is_none();
-    let lead = (!is_one).then(|| Notation::Number { value: top, unit });
+    let lead = (!is_one).then_some(Notation::Number { value: top, unit });
     let below: Vec<Notation> = bottom.map(number).into_iter().chain(constant_divisors).collect();
     let above: Vec<Notation> = lead.into_iter().chain(constants).collect();
     if !divisors.is_empty() {

@@ -225,7 +225,7 @@ impl Dimension {
     /// ```
     pub fn is_of_circuit(self) -> bool {
         let [_, _, _, ampere, _] = self.exponents;
-        ampere > EXPONENT_TOLERANCE || ampere < -1.0 - EXPONENT_TOLERANCE
+        !(-1.0 - EXPONENT_TOLERANCE..=EXPONENT_TOLERANCE).contains(&ampere)
     }
 
     /// The factors of the SI unit with volts in place of amperes, each with its power. Some powers may be 0.
