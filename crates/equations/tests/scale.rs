@@ -165,6 +165,14 @@ fn the_sign_of_a_sum_that_stays_at_0_is_0() {
     }
 }
 
+/// The cube of x is a product of x and its square, and a multiplier divides by 100 V. So x must peak above 79 V.
+#[test]
+fn the_factors_of_a_product_are_large_enough_for_it() {
+    let duffing = scaled(&problem_file("duffing"));
+    let low: Vec<_> = duffing.peaks.iter().filter(|peak| !peak.is_good()).collect();
+    assert!(low.is_empty() && duffing.peaks.len() >= 5, "{low:?}");
+}
+
 #[test]
 fn the_far_end_of_a_long_rod_is_0_in_a_short_run() {
     let problem = rod(400, r#"{"for": 20, "step": 0.2}"#);

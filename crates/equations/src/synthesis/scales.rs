@@ -26,6 +26,8 @@ use crate::symbolic::Fraction;
 const CHOSEN_VOLTS: [f64; 2] = [51.0, 94.0];
 /// The peak behind an overload is taken to be larger by this factor.
 const OVERLOAD: f64 = 1.5;
+/// The largest peak in volts that is demanded for the sake of a product. Scales between this and 94 V have two digits.
+const MOST_FOR_PRODUCT: f64 = 85.0;
 /// The largest voltage behind an overload that is believed. In a run with overloads, voltages can be far too large.
 const BELIEVED_VOLTS: f64 = 300.0;
 /// The relative error of the peaks of the solution without scales.
@@ -132,6 +134,27 @@ pub(crate) fn suitable_scale(peak: f64) -> f64 {
     roundest(peak / CHOSEN_VOLTS[1], peak / CHOSEN_VOLTS[0])
 }
 
+/// The least peak of each node in volts with which the products that have it as a factor peak above 50 V. A multiplier
+/// divides by 100 V, so its factors must be large. It is 0 for other nodes, and for factors of products that stay low
+/// because their factors peak at different times.
+fn factor_volts(input: &Input<'_>, peaks: &[f64]) -> Vec<f64> {
+    let mut volts = vec![0.0_f64; peaks.len()];
+    // A factor of a factor gets its volts one pass later.
+    for _ in 0..PASSES {
+        for id in input.plan.ids() {
+            let Operation::Product(factors) = input.operation(id) else { continue };
+            let [product, one, other] = [id, factors[0], factors[1]].map(|node| peaks[node.0 as usize]);
+            let wanted = volts[id.0 as usize].max(CHOSEN_VOLTS[0]);
+            let needed = (wanted * REFERENCE * one * other / product).sqrt();
+            for factor in factors.iter().filter(|_| needed <= MOST_FOR_PRODUCT) {
+                let own = &mut volts[factor.0 as usize];
+                *own = own.max(needed);
+            }
+        }
+    }
+    volts
+}
+
 /// A chosen scale.
 #[derive(Debug, Clone, Copy)]
 struct Chosen {
@@ -143,7 +166,8 @@ struct Chosen {
 
 /// Chooses the scales that are not kept.
 fn choose(input: &Input<'_>, peaks: &[f64], kept: &[Option<Chosen>]) -> Scales {
-    let choice = Choice { input, peaks, kept };
+    let factor_volts = &factor_volts(input, peaks);
+    let choice = Choice { input, peaks, kept, factor_volts };
     let first: Vec<Option<Chosen>> = input.plan.ids().map(|id| choice.first(id)).collect();
     let reason = |chosen: &Option<Chosen>| chosen.map_or(Some(ScaleReason::Zero), |chosen| chosen.reason);
     let mut reasons: Vec<Option<ScaleReason>> = first.iter().map(reason).collect();
@@ -181,6 +205,8 @@ struct Choice<'c, 'a> {
     peaks: &'c [f64],
     /// The scales that stay, by node.
     kept: &'c [Option<Chosen>],
+    /// The least peaks that products need, in volts by node; see [`factor_volts`].
+    factor_volts: &'c [f64],
 }
 
 impl Choice<'_, '_> {
@@ -230,6 +256,7 @@ impl Choice<'_, '_> {
         let unit = self.input.unit(id).factor();
         let [lowest, highest] = CHOSEN_VOLTS;
         let lowest = least_volts(&self.input.plan, id, peak).clamp(lowest, highest);
+        let lowest = lowest.max(self.factor_volts[id.0 as usize]);
         roundest(peak / unit / highest, peak / unit / lowest) * unit
     }
 
