@@ -192,12 +192,11 @@ fn response_text(response: &FrequencyResponse, analysis: &Analysis<'_>) -> Strin
     for point in &response.points {
         let is_next = point.frequency >= next;
         if is_next || Some(point.frequency) == last || natural.contains(&point.frequency) {
-            table.row([
-                number(point.frequency),
-                number(point.ratio),
-                decimals(point.decibels(), 2),
-                decimals(point.phase.to_degrees(), 2),
-            ]);
+            // A ratio of 0 has neither decibels nor a phase.
+            let is_zero = !point.decibels().is_finite();
+            let or_none = |value: f64| if is_zero { "-".to_owned() } else { decimals(value, 2) };
+            let (decibels, degrees) = (or_none(point.decibels()), or_none(point.phase.to_degrees()));
+            table.row([number(point.frequency), number(point.ratio), decibels, degrees]);
         }
         if is_next {
             next = point.frequency * 10f64.powf(1.0 / ROWS_PER_DECADE) * (1.0 - 1e-9);

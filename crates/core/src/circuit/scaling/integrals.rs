@@ -64,7 +64,12 @@ fn depends_on_parameter(circuit: &Circuit, element: usize) -> bool {
 fn warning(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Option<Diagnostic> {
     let gain = physical_gain(circuit, output, path)?;
     let factor = gain.block_gain.abs();
-    if path.integrations == 0 || !gain.dimension.is_dimensionless() || !is_wrong(factor) {
+    let required = path.gain.abs() / factor;
+    if path.integrations == 0
+        || !gain.dimension.is_dimensionless()
+        || !is_wrong(factor)
+        || !required.is_finite()
+    {
         return None;
     }
     let integral = if path.integrations == 1 { "integral" } else { "double integral" };
@@ -76,7 +81,7 @@ fn warning(circuit: &Circuit, output: &SignalPoint, path: &SignalPath<'_>) -> Op
         path.input.name,
         format_number(path.gain.abs()),
         if has_time_scale { "the scales and the time scale require" } else { "the scales require" },
-        format_number(path.gain.abs() / factor)
+        format_number(required)
     );
     let wrong = if has_time_scale { "a scale, a gain or the time scale" } else { "a scale or a gain" };
     let is_time_scale = has_time_scale && is_power_of(factor, circuit.time_scale());
@@ -168,6 +173,13 @@ mod tests {
             .unwrap();
         let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
         circuit.warnings().findings.into_iter().map(|finding| finding.message).collect()
+    }
+
+    #[test]
+    fn a_gain_that_is_not_finite_is_not_required() {
+        // One volt of v is 1e310 volts of x per second.
+        let found = warnings(["mm", "m/s"], 1e307, 1.0, "1");
+        assert!(found.iter().all(|message| !message.contains("inf")), "{found:?}");
     }
 
     #[test]
