@@ -95,9 +95,13 @@ impl PatchArguments {
     }
 }
 
-/// The title of a patch, or the name of its file if it has none.
+/// The title of the patch of a circuit, or the name of its file if it has none.
 pub(super) fn title(circuit: &Circuit) -> String {
-    let patch = circuit.patch();
+    title_of(circuit.patch())
+}
+
+/// The title of a patch, or the name of its file if it has none.
+pub(super) fn title_of(patch: &Patch) -> String {
     if patch.title.trim().is_empty() { escape_controls(patch.file()) } else { patch.title.clone() }
 }
 

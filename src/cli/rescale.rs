@@ -9,11 +9,12 @@ use serde::Serialize;
 
 use super::failure::{Failure, eprint_report};
 use super::files::{path_text, path_texts, quoted};
+use super::load::title_of;
 use super::outputs::Outputs;
 use super::table::Table;
 use super::{print, print_json};
 use patchcord::circuit::Circuit;
-use patchcord::document::{DiagnosticDocument, DocumentKind, Report, escape_controls, plural, tree};
+use patchcord::document::{DiagnosticDocument, DocumentKind, Report, plural, tree};
 use patchcord::equations::{
     ChangedSetting, RescaleError, RescaleOptions, RescaledOutput, RescaledPatch, RescaledScale, rescale_patch,
 };
@@ -98,9 +99,7 @@ const DIGITS: usize = 4;
 
 /// The printed result.
 fn text(request: &Request<'_>, patch: &Patch, rescaled: &RescaledPatch) -> String {
-    let title = patch.title.trim();
-    let title = if title.is_empty() { escape_controls(patch.file()) } else { title.to_owned() };
-    let mut text = format!("{title}\n\n");
+    let mut text = format!("{}\n\n", title_of(patch).trim());
     if request.time.is_some() {
         let factor = format_significant(rescaled.time_scale, DIGITS);
         text += &format!("{factor} machine seconds per problem second\n\n");

@@ -11,13 +11,14 @@ use serde::Serialize;
 
 use super::failure::{Failure, eprint_report};
 use super::files::{path_text, path_texts, quoted};
+use super::load::title_of;
 use super::numbers::positive_in;
 use super::outputs::Outputs;
 use super::rescale::{Request, is_patch, rescale};
 use super::standard_streams::check_input;
 use super::table::Table;
 use super::{print, print_json};
-use patchcord::document::{DiagnosticDocument, escape_controls, plural, read_text, unit_suffix};
+use patchcord::document::{DiagnosticDocument, plural, read_text, unit_suffix};
 use patchcord::equations::{
     NarrowedRange, OutputPeak, ScaleError, ScaleOptions, ScaledDrive, ScaledProblem, ScaledQuantity, codes,
     scale_problem,
@@ -113,9 +114,7 @@ impl Arguments {
 
     /// The printed result.
     fn text(&self, problem: &Problem, scaled: &ScaledProblem) -> String {
-        let title = problem.patch.title.trim();
-        let title = if title.is_empty() { escape_controls(problem.patch.file()) } else { title.to_owned() };
-        let mut text = format!("{title}\n\n");
+        let mut text = format!("{}\n\n", title_of(&problem.patch).trim());
         text += &scaling_table(scaled);
         text += &format!("\n{}", equation_lines(&scaled.quantities, scaled.time_scale));
         text += &format!("\n{}", peak_lines(&scaled.peaks));

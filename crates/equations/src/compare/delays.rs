@@ -12,7 +12,7 @@ pub(super) fn with_delay_times(sides: [&Fraction; 2], parameters: &dyn Values) -
 }
 
 /// Two expressions in which variables stand for the values of delays. Delays of one value by one time have one variable.
-/// `None` if there is no delay, if one has a time that varies, or if there are more than variables.
+/// `None` if there is no delay by a constant time, or if there are more delays than variables.
 pub(super) fn with_delay_variables(
     sides: [&Fraction; 2],
     parameters: &dyn Values,
