@@ -1,0 +1,259 @@
+//! The commands of a client: everything that a user can do at the panel.
+//!
+//! A client sends a [`Request`] as JSON. A command that is refused has no effect, and its event says why. Names of
+//! commands and fields are part of the protocol, which docs/panel-protocol.md documents.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// The version of the protocol. A client and a session of different versions do not work together.
+pub const PROTOCOL_VERSION: u32 = 1;
+
+/// Commands that are carried out in order, with a number that the response repeats.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// The number of the request, chosen by the client.
+    pub id: u64,
+    /// The commands.
+    pub commands: Vec<Command>,
+}
+
+/// The modes of the machine that a user can select.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// The references are disconnected, except at the pot that is being set.
+    PotSet,
+    /// Integrators are at their initial conditions, and every output is compared with the equations.
+    ProblemCheck,
+    /// Integrators are at their initial conditions.
+    InitialCondition,
+    /// Integrators integrate.
+    Operate,
+    /// Integrators keep their outputs.
+    Hold,
+    /// Initial condition and operation alternate.
+    Repetitive,
+    /// The run of the patch, once. Then the machine is in hold.
+    Single,
+}
+
+/// An end of a cord at the panel.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(untagged)]
+pub enum CordEnd {
+    /// An input jack.
+    Input {
+        /// Name of the element.
+        element: String,
+        /// Name of the jack, such as "x10" or "in".
+        jack: String,
+    },
+    /// An output jack.
+    Output {
+        /// Name of the element, drive or reference.
+        output: String,
+    },
+}
+
+/// One action of a user, or a question of the page.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(tag = "command", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Command {
+    /// Replaces the patch by this text. The history begins again.
+    Open {
+        /// Name of the file, for messages.
+        name: String,
+        /// The JSON document.
+        text: String,
+    },
+    /// Replaces the patch by an empty one.
+    New {
+        /// Name of the machine; that of the present patch if absent.
+        machine: Option<String>,
+    },
+    /// Asks for the text of the patch. The answer is the event `text`.
+    Text,
+    /// Asks for the session as data: patch, history, mode, scopes. The answer is the event `snapshot`.
+    Snapshot,
+    /// Replaces the session by one from an event `snapshot`.
+    Restore {
+        /// The content of the event.
+        snapshot: Value,
+    },
+
+    /// Selects the mode of the machine.
+    Mode {
+        /// The mode.
+        mode: Mode,
+    },
+    /// Sets how fast the machine runs, relative to problem time.
+    Speed {
+        /// The factor, from 1e-6 to 1e6; as fast as possible if absent.
+        factor: Option<f64>,
+    },
+    /// Stops or continues the clock of the panel. The mode of the machine stays.
+    Pause {
+        /// Whether the clock stands.
+        paused: bool,
+    },
+    /// Sets the length of a sweep of repetitive operation.
+    Sweep {
+        /// Length in problem seconds; that of the patch's run if absent.
+        seconds: Option<f64>,
+    },
+    /// Sets the rate of repetitive operation, which also sets the speed.
+    Rate {
+        /// Sweeps per second of the panel's clock, from 0.01 to 50; by the speed if absent.
+        hertz: Option<f64>,
+    },
+    /// Moves the machine back to an earlier time of its present run, and holds it there.
+    Scrub {
+        /// Problem time in seconds.
+        time: f64,
+    },
+    /// Advances the clock of the panel. The answer is a frame.
+    Advance {
+        /// Seconds since the last advance, from 0 to 1.
+        seconds: f64,
+    },
+
+    /// Sets a parameter, also while the machine runs. Consecutive changes of one parameter are one step of the history.
+    Parameter {
+        /// Its name.
+        name: String,
+        /// Its value in the declared unit.
+        value: f64,
+    },
+    /// Sets a setting of an element: a pot, an initial condition, a key switch.
+    Setting {
+        /// Name of the element or drive.
+        element: String,
+        /// Name of the setting, such as "setting" or "limit.upper".
+        setting: String,
+        /// A number, a formula, true, false or a word; null removes the setting.
+        value: Value,
+    },
+    /// Sets the time scale: machine seconds per problem second.
+    TimeScale {
+        /// The time scale.
+        value: f64,
+    },
+
+    /// Plugs a cord in. If both ends are outputs or both are inputs, it is refused.
+    Plug {
+        /// Name of the element with the input.
+        element: String,
+        /// Name of the jack.
+        jack: String,
+        /// Name of the output.
+        from: String,
+    },
+    /// Pulls a cord out and removes it.
+    Unplug {
+        /// Name of the element with the input.
+        element: String,
+        /// Name of the jack.
+        jack: String,
+        /// Name of the output.
+        from: String,
+    },
+    /// Moves one end of a cord to another jack.
+    MoveCord {
+        /// Name of the element with the input.
+        element: String,
+        /// Name of the jack.
+        jack: String,
+        /// Name of the output.
+        from: String,
+        /// The jack to which one end moves: an input moves the input end, an output moves the output end.
+        to: CordEnd,
+    },
+    /// Puts a cord on the panel with one end plugged in and the other one loose.
+    LooseCord {
+        /// The end that is plugged in.
+        end: CordEnd,
+        /// Place of the loose end on the panel, in units of the page.
+        at: [f64; 2],
+        /// The cord whose other end is dropped; absent for a new cord.
+        #[serde(default)]
+        replaces: Option<CordName>,
+    },
+    /// Plugs the loose end of a cord in.
+    PlugLoose {
+        /// Number of the loose cord.
+        id: u64,
+        /// The jack.
+        to: CordEnd,
+    },
+    /// Removes a loose cord.
+    RemoveLoose {
+        /// Number of the loose cord.
+        id: u64,
+    },
+    /// Removes all cords. Elements and settings stay.
+    ClearCords,
+    /// Adds an element.
+    AddElement {
+        /// Its kind.
+        kind: String,
+        /// Its name; the next free name of the kind if absent.
+        name: Option<String>,
+    },
+    /// Removes an element, a drive or an instance, with its cords and the signals that are read there.
+    RemoveElement {
+        /// Its name.
+        name: String,
+    },
+    /// Reverts the last step of the history.
+    Undo,
+    /// Repeats the step that was reverted last.
+    Redo,
+
+    /// Sets the controls of a scope. The session keeps them.
+    Scope {
+        /// 0 or 1.
+        scope: usize,
+        /// All controls.
+        controls: crate::scope::ScopeControls,
+    },
+    /// Erases the traces of a scope.
+    Erase {
+        /// 0 or 1.
+        scope: usize,
+    },
+    /// Connects the voltmeter.
+    Meter {
+        /// Name of the output; the meter is disconnected if absent.
+        output: Option<String>,
+    },
+    /// Connects the null meter: it shows the output minus a share of the reference.
+    NullMeter {
+        /// Name of the output; the meter is disconnected if absent.
+        output: Option<String>,
+        /// The reference divider, from -1 to 1.
+        divider: f64,
+    },
+    /// Says which views the page shows. Events for other views are not sent.
+    Views {
+        /// Whether the schematic is shown.
+        schematic: bool,
+        /// Whether the equations are shown.
+        equations: bool,
+    },
+    /// Runs the patch from its beginning as `patchcord run` does. The answer is the event `table`.
+    Run,
+}
+
+/// A cord, named by its ends.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CordName {
+    /// Name of the element with the input.
+    pub element: String,
+    /// Name of the jack.
+    pub jack: String,
+    /// Name of the output.
+    pub from: String,
+}

@@ -1,0 +1,11 @@
+//! The front panel as a pure state machine: commands in, events and frames out.
+//!
+//! It knows nothing about sockets, browsers and clocks. A host passes requests to a [`Session`] and sends its answers
+//! back: the server of `patchcord panel`, or a worker in a web page.
+
+#![forbid(unsafe_code)]
+
+pub mod command;
+pub mod event;
+pub mod frame;
+pub mod scope;
