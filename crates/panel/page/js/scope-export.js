@@ -1,9 +1,10 @@
 /** Pictures and tables of a scope, as downloads. */
 
 import { svg } from './dom.js';
-import { drawPicture, layout, paper } from './scope-screen.js';
+import { ACROSS, drawGrid, drawTraces, layout, scales, si, UP } from './scope-screen.js';
 
-const [WIDTH, HEIGHT] = [900, 760];
+/** Size of a picture, and the space around the graticule. */
+const [WIDTH, HEIGHT, MARGIN] = [900, 740, 56];
 
 /** The part of a 2D context that the screen uses, as SVG: what is stroked, filled or written becomes an element. */
 class Recorder {
@@ -54,22 +55,62 @@ class Recorder {
   }
 }
 
+/** Colours on paper or on a dark page. */
+const colours = (dark) => ({
+  dark, size: 13, font: 'sans-serif', ...(dark
+    ? { page: '#0b1512', grid: '#29433a', ink: '#c4d6ce', bad: '#ff6b5e', traces: ['#7df0b0', '#ffc66b'] }
+    : { page: '#ffffff', grid: '#d5d9dd', ink: '#30363b', bad: '#c8102e', traces: ['#0a5cad', '#b34700'] }),
+});
+
+/** Writes the title and the values along the axes, in the unit of each channel. */
+function drawAxes(context, view, paint, { controls, outputs, title }) {
+  const size = paint.size * view.ratio;
+  const text = (content, align, x, y, colour) => {
+    context.textAlign = align;
+    context.fillStyle = colour;
+    context.fillText(content, x, y);
+  };
+  context.globalAlpha = 1;
+  context.font = `${1.15 * size}px ${paint.font}`;
+  text(title, 'center', view.width / 2, view.y - 2.2 * size, paint.ink);
+  context.font = `${0.85 * size}px ${paint.font}`;
+  scales(view, controls).forEach(({ isX, gain, zero }, channel) => {
+    const output = outputs[channel];
+    if (!output) return;
+    const colour = controls.display === 'plane' ? paint.ink : paint.traces[channel];
+    for (let at = 0; at <= (isX ? ACROSS : UP); at += 2) {
+      const place = (isX ? view.x : view.y) + at * view.division;
+      const value = si(((place - zero) / gain) * output.per_volt, '1');
+      const isRight = channel === 1 && controls.display === 'time';
+      if (isX) text(value, 'center', place, view.y + view.up + 1.3 * size, colour);
+      else text(value, isRight ? 'left' : 'right', isRight ? view.x + view.across + 0.5 * size : view.x - 0.9 * size, place + 0.3 * size, colour);
+    }
+  });
+}
+
 function drawing(model) {
-  const root = svg('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, width: WIDTH, height: HEIGHT, 'font-family': 'sans-serif' },
-    svg('title', {}, model.title), svg('rect', { width: WIDTH, height: HEIGHT, fill: '#fff' }));
-  drawPicture(new Recorder(root), layout(WIDTH, HEIGHT, 1, 28), paper(false), model);
+  const paint = colours(false);
+  const root = svg('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, width: WIDTH, height: HEIGHT, 'font-family': paint.font },
+    svg('title', {}, model.title), svg('rect', { width: WIDTH, height: HEIGHT, fill: paint.page }));
+  const recorder = new Recorder(root);
+  for (const draw of [drawGrid, drawAxes]) draw(recorder, layout(WIDTH, HEIGHT, 1, MARGIN), paint, model);
+  drawTraces(recorder, recorder, layout(WIDTH, HEIGHT, 1, MARGIN), paint, model);
   return new Blob([new XMLSerializer().serializeToString(root)], { type: 'image/svg+xml' });
 }
 
-function picture(model, dark) {
-  const canvas = new OffscreenCanvas(2 * WIDTH, 2 * HEIGHT);
-  const context = canvas.getContext('2d');
-  const colours = paper(dark);
-  drawPicture(context, layout(canvas.width, canvas.height, 2, 28), colours, model);
-  context.globalCompositeOperation = 'destination-over';
-  context.fillStyle = colours.screen;
-  context.fillRect(0, 0, canvas.width, canvas.height);
-  return canvas.convertToBlob();
+function picture(model, isDark) {
+  const paint = colours(isDark);
+  const [page, traces] = [0, 1].map(() => new OffscreenCanvas(2 * WIDTH, 2 * HEIGHT).getContext('2d'));
+  const view = layout(2 * WIDTH, 2 * HEIGHT, 2, 2 * MARGIN);
+  drawGrid(page, view, paint, model);
+  drawAxes(page, view, paint, model);
+  drawTraces(traces, traces, view, paint, model);
+  page.drawImage(traces.canvas, 0, 0);
+  page.globalCompositeOperation = 'destination-over';
+  page.globalAlpha = 1;
+  page.fillStyle = paint.page;
+  page.fillRect(0, 0, view.width, view.height);
+  return page.canvas.convertToBlob();
 }
 
 /** A table in the form of `patchcord run --csv`: lines with the units, a line of names, a line for each time. */

@@ -2,570 +2,434 @@
 
 import { format } from './dom.js';
 
-export const ACROSS = 10;
-export const UP = 8;
+/** Divisions of the screen. */
+export const [ACROSS, UP] = [10, 8];
 /** Volts at which amplifiers overload. */
-export const FULL_SCALE = 100;
-/** Levels of brightness. Lines of one level are drawn together. One more level is for overload. */
+const FULL_SCALE = 100 * (1 - 1e-6);
+/** Levels of brightness. The one above the brightest is for overload. */
 const LEVELS = 8;
-/** Segments of a curve that are drawn together. Where lines of one group cross, the crossing is no brighter. */
-const GROUP = 256;
-/** Columns of a screen in device pixels, at most. */
-const WIDEST = 1 << 13;
 /** Brightness of finished traces. */
-const DIM = 0.45;
+const DIM = 0.4;
 /** Seconds in which a finished curve fades if it is not stored. */
 const AFTERGLOW = 0.5;
-/** Milliseconds between two traces below which the trace before is as bright as the present one. */
+/** Milliseconds between traces below which the finished one is as bright as the present one. */
 const STEADY = 300;
-/** What is left of a trace that has faded, and how much of it one step removes: fewer steps leave no rest in 8 bits. */
+/** What remains of a faded trace, and the part that one step removes: smaller steps would leave a rest in 8 bits. */
 const [FADED, FADE] = [0.03, 0.1];
-const MOST_MARKS = 36;
-/** Least brightness of a long curve, so that its newest part remains visible. */
+/** Least brightness of a long curve, so that its newest part is visible. */
 const LEAST_EXPOSURE = 0.15;
 
-const lows = new Float32Array(WIDEST);
-const highs = new Float32Array(WIDEST);
-const levels = new Uint8Array(WIDEST);
-const counts = new Uint32Array(LEVELS + 1);
-
-const PREFIXES = ['p', 'n', 'µ', 'm', '', 'k', 'M'];
+const lows = new Float32Array(1 << 13);
+const highs = new Float32Array(1 << 13);
+const levels = new Float32Array(1 << 13);
 
 /** A quantity for reading: "20 µs", "−4.2 mm". */
 export function si(value, unit, digits = 3) {
   if (!Number.isFinite(value)) return '—';
-  const size = Math.abs(value);
-  let power = 0;
-  if (size > 0 && ['V', 's', 'Hz'].includes(unit)) {
-    power = Math.max(-4, Math.min(unit === 'Hz' ? 2 : 0, Math.floor(Math.log10(size * (1 + 1e-9)) / 3)));
-  }
-  const name = PREFIXES[power + 4] + (unit === '1' ? '' : unit);
-  return `${format(value / 1000 ** power, digits) || 0}${name && '\u202f'}${name}`.replace('-', '−');
+  const most = { V: 0, s: 0, Hz: 2 }[unit];
+  const thousands = most === undefined || value === 0 ? 0 : Math.floor(Math.log10(Math.abs(value) * (1 + 1e-9)) / 3);
+  const power = Math.max(-4, Math.min(most ?? 0, thousands));
+  const name = ['p', 'n', 'µ', 'm', '', 'k', 'M'][power + 4] + (unit === '1' ? '' : unit);
+  return `${format(value / 1000 ** power, digits)}${name && '\u202f'}${name}`.replace('-', '−');
+}
+
+/** Name of an output with the quantity that it stands for. */
+export const nameOf = ({ name, signal }) => (signal && signal !== name ? `${signal} at ${name}` : name);
+
+/** Volts, and what they stand for. `per` is "/div" or empty. */
+export function reading(volts, output, per = '', digits = 4) {
+  const units = output.signal && Number.isFinite(volts) ? ` = ${si(volts * output.per_volt, output.unit, digits)}${per}` : '';
+  return `${si(volts, 'V', digits)}${per}${per ? units.replace('−', '') : units}`;
 }
 
 /** Colours of a scope from the theme. */
-export function palette(element) {
+function palette(element) {
   const style = getComputedStyle(element);
   const get = (name) => style.getPropertyValue(`--${name}`).trim();
   return {
-    screen: get('screen'), grid: get('grid'), ink: get('scope-ink') || get('muted'), bad: get('bad'),
-    traces: [get('trace-1'), get('trace-2')], dark: isDark(get('screen')), family: style.fontFamily,
-    size: parseFloat(style.fontSize) * 0.8,
+    grid: get('grid'), ink: get('scope-ink'), bad: get('scope-bad'), traces: [get('trace-1'), get('trace-2')], dark: true,
+    font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8,
   };
 }
 
-/** Colours of a picture on a white or on a dark page. */
-export function paper(dark) {
-  const shared = { family: 'sans-serif', size: 12, dark };
-  return dark
-    ? { ...shared, screen: '#0b1512', grid: '#47635a', ink: '#b9cfc6', bad: '#ff6b5e', traces: ['#5ff0b0', '#ffc04d'] }
-    : { ...shared, screen: '#ffffff', grid: '#b4bcc4', ink: '#333a40', bad: '#c8102e', traces: ['#0a5cad', '#b34700'] };
-}
-
-function isDark(colour) {
-  const context = new OffscreenCanvas(1, 1).getContext('2d');
-  context.fillStyle = colour;
-  context.fillRect(0, 0, 1, 1);
-  const [red, green, blue] = context.getImageData(0, 0, 1, 1).data;
-  return 0.3 * red + 0.59 * green + 0.11 * blue < 128;
-}
-
-/** Place of the graticule, in device pixels. Divisions are square, so that a circle in X-Y is a circle. */
-export function layout(width, height, ratio, size) {
-  const margin = Math.round(1.9 * size * ratio);
+/** Place of the graticule in device pixels. Divisions are square, so that a circle in X-Y is a circle. */
+export function layout(width, height, ratio, margin) {
   const division = Math.max(4, Math.floor(Math.min((width - 1.4 * margin) / ACROSS, (height - 2 * margin) / UP)));
   const [across, up] = [ACROSS * division, UP * division];
   return { width, height, ratio, division, across, up, x: Math.round((width - across) / 2), y: Math.round((height - up) / 2) };
 }
 
-/** Pixels per volt and the pixel of 0 V, along one axis. */
-export function scaleOf(channel, middle, division, sign) {
-  const gain = ((channel.inverted ? -sign : sign) * division) / channel.volts_per_division;
-  return { gain, zero: middle - gain * channel.centre };
+/** Pixels per volt and the pixel of 0 V, for both channels. */
+export function scales({ x, y, across, up, division }, { display, channels }) {
+  return channels.map(({ inverted, volts_per_division: volts, centre }, channel) => {
+    const isX = display === 'plane' && channel === 0;
+    const gain = ((isX === inverted ? -1 : 1) * division) / volts;
+    return { isX, gain, zero: (isX ? x + across / 2 : y + up / 2) - gain * centre };
+  });
 }
 
-export function scales(view, controls) {
-  const middle = view.y + view.up / 2;
-  const plane = controls.display === 'plane';
-  return controls.channels.map((channel, at) => (plane && at === 0
-    ? scaleOf(channel, view.x + view.across / 2, view.division, 1)
-    : scaleOf(channel, middle, view.division, -1)));
+/** Limits drawing to the graticule. */
+function clip(context, { x, y, across, up, ratio }) {
+  context.save();
+  context.beginPath();
+  context.rect(x, y, across + ratio, up + ratio);
+  context.clip();
 }
-
-/** Volts per division, and units per division if the voltage stands for a quantity. */
-export function perDivision(channel, output) {
-  const volts = `${si(channel.volts_per_division, 'V')}/div`;
-  return output?.signal ? `${volts} = ${si(channel.volts_per_division * Math.abs(output.per_volt), output.unit)}/div` : volts;
-}
-
-export const nameOf = (output) => (output?.signal && output.signal !== output.name ? `${output.signal} at ${output.name}` : output?.name ?? '');
 
 /** Draws graticule, overload zones and the readings of the axes. */
 export function drawGrid(context, view, colours, model) {
   const { x, y, across, up, division, ratio } = view;
-  context.clearRect(0, 0, view.width, view.height);
-  const lines = (width, alpha, paint) => {
+  const { controls, outputs, span, trace } = model;
+  const lines = (colour, alpha, list) => {
     context.globalAlpha = alpha;
-    context.lineWidth = width * ratio;
+    context.strokeStyle = colour;
+    context.lineWidth = ratio;
     context.beginPath();
-    paint();
+    for (const [x1, y1, x2, y2] of list) {
+      context.moveTo(x1, y1);
+      context.lineTo(x2, y2);
+    }
     context.stroke();
   };
-  const line = (x1, y1, x2, y2) => { context.moveTo(x1, y1); context.lineTo(x2, y2); };
-  const half = ratio / 2;
-  context.strokeStyle = colours.grid;
-  lines(1, 0.55, () => {
-    for (let at = 0; at <= ACROSS; at += 1) line(x + at * division + half, y, x + at * division + half, y + up);
-    for (let at = 0; at <= UP; at += 1) line(x, y + at * division + half, x + across, y + at * division + half);
-  });
-  const [cx, cy] = [x + across / 2 + half, y + up / 2 + half];
-  lines(1, 1, () => {
-    line(cx, y, cx, y + up);
-    line(x, cy, x + across, cy);
-    for (let at = 0; at <= 5 * ACROSS; at += 1) tick(x + (at * division) / 5 + half, cy, 0, 3 * ratio);
-    for (let at = 0; at <= 5 * UP; at += 1) tick(cx, y + (at * division) / 5 + half, 3 * ratio, 0);
-  });
-  function tick(tx, ty, dx, dy) { line(tx - dx, ty - dy, tx + dx, ty + dy); }
-  drawZones(context, view, colours, model, lines);
-  context.globalAlpha = 1;
-  drawReadings(context, view, colours, model);
-}
+  const [cx, cy] = [x + across / 2 + ratio / 2, y + up / 2 + ratio / 2];
+  const range = (count) => Array.from({ length: count + 1 }, (_, at) => at);
+  const column = (at) => x + at * division + ratio / 2;
+  const row = (at) => y + at * division + ratio / 2;
+  context.clearRect(0, 0, view.width, view.height);
+  lines(colours.grid, 1, [...range(ACROSS).map((at) => [column(at), y, column(at), y + up]),
+    ...range(UP).map((at) => [x, row(at), x + across, row(at)])]);
+  const tick = 3 * ratio;
+  lines(colours.ink, 0.5, [[cx, y, cx, y + up], [x, cy, x + across, cy],
+    ...range(5 * ACROSS).map((at) => [column(at / 5), cy - tick, column(at / 5), cy + tick]),
+    ...range(5 * UP).map((at) => [cx - tick, row(at / 5), cx + tick, row(at / 5)])]);
 
-/** Hatches the voltages beyond full scale, if they are in view: one direction for each channel. */
-function drawZones(context, view, colours, model, lines) {
-  context.save();
-  context.strokeStyle = colours.bad;
-  scales(view, model.controls).forEach(({ gain, zero }, channel) => {
-    if (!model.outputs[channel]) return;
-    const upright = model.controls.display === 'plane' && channel === 0;
-    const [from, length] = upright ? [view.x, view.across] : [view.y, view.up];
-    for (const limit of [FULL_SCALE, -FULL_SCALE]) {
+  clip(context, view);
+  const places = scales(view, controls);
+  places.forEach(({ isX, gain, zero }, channel) => {
+    for (const limit of outputs[channel] ? [FULL_SCALE, -FULL_SCALE] : []) {
       const edge = zero + gain * limit;
-      const towards = Math.sign(gain * limit);
-      const depth = towards > 0 ? from + length - edge : edge - from;
-      if (depth <= 0) continue;
-      const start = towards > 0 ? Math.max(edge, from) : from;
-      const extent = Math.min(depth, length);
+      const [start, end] = isX ? [x, x + across] : [y, y + up];
+      const depth = gain * limit > 0 ? Math.max(edge, end) : Math.min(edge, start);
+      if (depth === edge) continue;
       context.save();
       context.beginPath();
-      if (upright) context.rect(start, view.y, extent, view.up);
-      else context.rect(view.x, start, view.across, extent);
+      if (isX) context.rect(Math.min(edge, depth), y, Math.abs(depth - edge), up);
+      else context.rect(x, Math.min(edge, depth), across, Math.abs(depth - edge));
       context.clip();
-      lines(1, 0.35, () => {
-        const step = 9 * view.ratio;
-        const slant = channel === 0 ? view.up : -view.up;
-        for (let at = view.x - view.up; at < view.x + view.across + view.up; at += step) {
-          context.moveTo(at, view.y);
-          context.lineTo(at + slant, view.y + view.up);
-        }
-        if (upright) { context.moveTo(edge, view.y); context.lineTo(edge, view.y + view.up); }
-        else { context.moveTo(view.x, edge); context.lineTo(view.x + view.across, edge); }
-      });
+      // The channels slant differently, so that both remain visible where they overlap.
+      lines(colours.bad, 0.4, [isX ? [edge, y, edge, y + up] : [x, edge, x + across, edge],
+        ...range(Math.ceil((across + up) / (9 * ratio))).map((at) => (channel === 0
+          ? [x - up + 9 * ratio * at, y + up, x + 9 * ratio * at, y] : [x - up + 9 * ratio * at, y, x + 9 * ratio * at, y + up]))]);
       context.restore();
     }
   });
   context.restore();
-}
 
-function drawReadings(context, view, colours, { controls, outputs, span, trace }) {
-  const { ratio, x, y, across, up } = view;
   const size = colours.size * ratio;
-  context.font = `${size}px ${colours.family}`;
-  const [top, bottom] = [y - 0.55 * size, y + up + 1.25 * size];
-  const text = (content, align, tx, ty, colour, most = across / 2.1) => {
+  const isPlane = controls.display === 'plane';
+  const text = (content, align, tx, ty, colour = colours.ink) => {
     context.textAlign = align;
     context.fillStyle = colour;
-    context.fillText(content, tx, ty, most);
+    context.fillText(content, tx, ty, 0.48 * across);
   };
+  context.globalAlpha = 1;
+  context.font = `${size}px ${colours.font}`;
   outputs.forEach((output, channel) => {
     if (!output) return;
-    const left = channel === 0;
-    const reading = `${controls.display === 'plane' ? 'XY'[channel] : channel + 1}  ${nameOf(output)}  ${perDivision(controls.channels[channel], output)}`;
-    const colour = controls.display === 'plane' ? colours.ink : colours.traces[channel];
-    text(reading, left ? 'left' : 'right', left ? x : x + across, top, colour);
-  });
-  if (controls.display === 'plane') return;
-  const start = trace.left;
-  text(`t = ${si(start, 's', 4)}`, 'left', x, bottom, colours.ink, across / 4);
-  text(si(start + span, 's', 4), 'right', x + across, bottom, colours.ink, across / 4);
-  text(`${si(span / ACROSS, 's')}/div`, 'center', x + across / 2, bottom, colours.ink);
-  // Marks of 0 V at the left edge, with the number of the channel.
-  scales(view, controls).forEach(({ zero }, channel) => {
-    if (!outputs[channel] || zero < y || zero > y + up) return;
-    context.fillStyle = colours.traces[channel];
+    const colour = isPlane ? colours.ink : colours.traces[channel];
+    const scale = reading(controls.channels[channel].volts_per_division, output, '/div', 3);
+    text(`${isPlane ? 'XY'[channel] : channel + 1}  ${nameOf(output)}  ${scale}`, channel ? 'right' : 'left', channel ? x + across : x, y - 0.55 * size, colour);
+    const { zero } = places[channel];
+    if (isPlane || zero < y || zero > y + up) return;
+    // The mark of 0 V.
     context.beginPath();
-    const [w, h] = [0.6 * size, 0.42 * size];
-    context.moveTo(x - 1, zero);
-    context.lineTo(x - w, zero - h);
-    context.lineTo(x - w, zero + h);
+    for (const [dx, dy] of [[0, 0], [-0.6, -0.4], [-0.6, 0.4]]) context.lineTo(x + dx * size, zero + dy * size);
     context.fill();
   });
+  const bottom = y + up + 1.25 * size;
+  if (!isPlane) {
+    text(`t = ${si(trace.left, 's', 4)}`, 'left', x, bottom);
+    text(`${si(span / ACROSS, 's')}/div`, 'center', cx, bottom);
+    text(si(trace.left + span, 's', 4), 'right', x + across, bottom);
+  }
 }
 
-/** Limits drawing to the graticule and sets how traces are painted. */
-function begin(context, view, colours) {
-  context.save();
-  context.beginPath();
-  context.rect(view.x, view.y, view.across + view.ratio, view.up + view.ratio);
-  context.clip();
-  context.lineJoin = context.lineCap = 'round';
-  // Light adds up on a dark screen; ink on paper does not.
-  context.globalCompositeOperation = colours.dark ? 'lighter' : 'source-over';
+/** The beam: lines with a brightness. Lines of one brightness that follow each other are one path. */
+class Beam {
+  begin(context, view, colours, colour, strength) {
+    Object.assign(this, { context, view, colours, colour, strength, level: -1 });
+    clip(context, view);
+    context.lineJoin = 'round';
+  }
+
+  line(x1, y1, x2, y2, level) {
+    if (level !== this.level || this.lines > 200) {
+      this.paint();
+      this.level = level;
+      this.x = NaN;
+      this.context.beginPath();
+    }
+    if (x1 !== this.x || y1 !== this.y) this.context.moveTo(x1, y1);
+    this.context.lineTo(x2, y2);
+    [this.x, this.y, this.lines] = [x2, y2, this.lines + 1];
+  }
+
+  paint() {
+    const { context, view, level } = this;
+    this.lines = 0;
+    if (level < 0) return;
+    const bright = this.strength * (0.18 + (0.82 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
+    context.strokeStyle = level === LEVELS ? this.colours.bad : this.colour;
+    if (this.colours.dark && bright > 0.3) {
+      context.lineWidth = 6 * view.ratio;
+      context.globalAlpha = 0.25 * (bright - 0.3);
+      context.stroke();
+    }
+    context.lineWidth = 1.6 * view.ratio;
+    context.globalAlpha = bright;
+    context.stroke();
+  }
+
+  end() {
+    this.paint();
+    this.context.restore();
+  }
 }
+
+const beam = new Beam();
 
 /**
  * Draws a trace against time. A smooth trace is a line through the middles of its columns. A column that reaches
  * beyond this line (noise, an edge) is a bar. The longer the way of the beam in a column, the darker it is.
  */
-export function drawColumns(context, view, colours, model, columns, channel, from, to, strength) {
-  const total = model.trace.total;
-  const pixels = Math.min(total, view.across, WIDEST);
+function drawColumns(context, view, colours, model, columns, channel, from, to, strength) {
+  const { total } = model.trace;
+  const pixels = Math.min(total, view.across, lows.length);
   const { gain, zero } = scales(view, model.controls)[channel];
-  const begins = Math.floor((from * pixels) / total);
-  const ends = Math.min(pixels, Math.ceil((to * pixels) / total));
-  const width = view.across / pixels;
-  const overloads = model.lit[channel];
-  const limit = FULL_SCALE * (1 - 1e-6);
-  counts.fill(0);
+  const [begins, ends, width] = [Math.floor((from * pixels) / total), Math.ceil((to * pixels) / total), view.across / pixels];
+  const middle = (at) => (lows[at] + highs[at]) / 2;
+  let bright = LEVELS;
   for (let at = begins; at < ends; at += 1) {
     let [low, high] = [Infinity, -Infinity];
-    const end = Math.min(to, Math.max(Math.floor(((at + 1) * total) / pixels), Math.floor((at * total) / pixels) + 1));
-    for (let column = Math.max(from, Math.floor((at * total) / pixels)); column < end; column += 1) {
+    for (let column = Math.max(from, Math.floor((at * total) / pixels)); column < Math.min(to, ((at + 1) * total) / pixels); column += 1) {
       if (columns[2 * column] < low) low = columns[2 * column];
       if (columns[2 * column + 1] > high) high = columns[2 * column + 1];
     }
     const [one, other] = [zero + gain * low, zero + gain * high];
-    lows[at] = low <= high ? Math.min(one, other) : NaN;
-    highs[at] = Math.max(one, other);
-    const way = Math.max(highs[at] - lows[at], at > begins ? Math.abs(lows[at] + highs[at] - lows[at - 1] - highs[at - 1]) / 2 || 0 : 0);
-    const bright = Math.hypot(width, way) / width;
-    levels[at] = overloads && (high >= limit || low <= -limit) ? LEVELS
-      : Math.max(0, LEVELS - 1 - Math.floor(1.05 * Math.log2(bright)));
-    counts[levels[at]] += 1;
+    [lows[at], highs[at]] = low <= high ? [Math.min(one, other), Math.max(one, other)] : [NaN, NaN];
+    const way = Math.max(highs[at] - lows[at], at > begins ? Math.abs(middle(at) - middle(at - 1)) || 0 : 0);
+    const level = LEVELS - 1 - 1.05 * Math.log2(Math.hypot(width, way) / width);
+    // Brightness follows slowly, so that a smooth trace is not a chain of pieces.
+    if (Math.abs(level - bright) > 0.9) bright = Math.max(0, Math.round(level)) || 0;
+    levels[at] = model.lit[channel] && (high >= FULL_SCALE || low <= -FULL_SCALE) ? LEVELS : Math.min(bright, LEVELS - 1);
   }
-  begin(context, view, colours);
-  for (let level = 0; level <= LEVELS; level += 1) {
-    if (counts[level] === 0) continue;
-    context.strokeStyle = level === LEVELS ? colours.bad : colours.traces[channel];
-    context.beginPath();
-    trackColumns(context, level, begins, ends, view.x, width, channel === 1, view.ratio);
-    const bright = strength * (level === LEVELS ? 1 : 0.2 + (0.8 * level) / (LEVELS - 1));
-    glow(context, view, colours, bright);
-    context.lineWidth = 1.6 * view.ratio;
-    context.globalAlpha = bright;
-    context.stroke();
-  }
-  context.restore();
-}
-
-function glow(context, view, colours, bright) {
-  if (!colours.dark || bright < 0.3) return;
-  context.lineWidth = 6 * view.ratio;
-  context.globalAlpha = 0.14 * bright;
-  context.stroke();
-}
-
-/** The path of all columns of a level. The second channel is dashed along its way. */
-function trackColumns(context, level, begins, ends, left, width, dashed, ratio) {
-  const [dash, period] = [9 * ratio, 14 * ratio];
+  const [dash, period] = channel === 1 ? [10 * view.ratio, 14 * view.ratio] : [0, 1];
   let way = 0;
-  let isDown = false;
+  beam.begin(context, view, colours, colours.traces[channel], strength);
   for (let at = begins; at < ends; at += 1) {
-    const middle = (lows[at] + highs[at]) / 2;
-    const before = at > begins ? (lows[at - 1] + highs[at - 1]) / 2 : NaN;
-    const length = Math.hypot(width, middle - before);
-    const shown = !dashed || length > dash || way % period < dash;
-    if (length === length) way += length;
-    if (levels[at] !== level || middle !== middle) {
-      isDown = false;
-      continue;
-    }
-    const x = left + (at + 0.5) * width;
-    if (before === before && shown) {
-      if (!isDown) context.moveTo(x - width, before);
-      context.lineTo(x, middle);
-      isDown = true;
-    } else {
-      isDown = false;
-    }
-    const after = at + 1 < ends ? (lows[at + 1] + highs[at + 1]) / 2 : NaN;
-    const [start, end] = [before === before ? (before + middle) / 2 : middle, after === after ? (after + middle) / 2 : middle];
-    const alone = before !== before && after !== after;
-    if (alone || lows[at] < Math.min(start, middle, end) - ratio || highs[at] > Math.max(start, middle, end) + ratio) {
-      context.moveTo(x, lows[at]);
-      context.lineTo(x, highs[at] + (alone ? 0.1 : 0));
-      isDown = false;
+    const here = middle(at);
+    if (here !== here) continue;
+    const x = view.x + (at + 0.5) * width;
+    const before = at > begins ? middle(at - 1) : NaN;
+    const after = at + 1 < ends ? middle(at + 1) : NaN;
+    const length = Math.hypot(width, here - before);
+    // The second channel is dashed along its way.
+    if (length === length && (dash === 0 || length > dash || way % period < dash)) beam.line(x - width, before, x, here, levels[at]);
+    way += length || 0;
+    const [start, end] = [(before + here) / 2 || here, (after + here) / 2 || here];
+    const isAlone = before !== before && after !== after;
+    if (isAlone || lows[at] < Math.min(start, here, end) - view.ratio || highs[at] > Math.max(start, here, end) + view.ratio) {
+      beam.line(x, lows[at], x, highs[at] + (isAlone ? view.ratio : 0), levels[at]);
     }
   }
+  beam.end();
 }
 
 /** Draws X-Y curves. It keeps the place of the beam, so that a curve can be drawn as it grows. */
-export class Pen {
-  x = NaN;
-  y = NaN;
-  seconds = 0;
-  /** Seconds and pixels so far: their ratio is the usual pace, which has medium brightness. */
-  time = 0;
-  way = 0;
-  exposure = 1;
-  xs = new Float32Array(GROUP + 1);
-  ys = new Float32Array(GROUP + 1);
-  levels = new Uint8Array(GROUP + 1);
-  used = 0;
+class Pen {
+  constructor() {
+    this.reset();
+  }
 
   reset() {
     this.x = this.y = NaN;
-    this.seconds = this.time = this.way = this.used = 0;
+    this.seconds = this.time = this.way = this.level = 0;
     this.exposure = 1;
+  }
+
+  /** A long curve is drawn darker, so that it shows where it is dense. What is already drawn follows. */
+  expose(context, view) {
+    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (3 * this.way * view.ratio) / (view.across * view.up)));
+    if (exposure > 0.7 * this.exposure) return;
+    darken(context, view, 1 - exposure / this.exposure);
+    this.exposure = exposure;
   }
 
   draw(context, view, colours, model, from, to, strength) {
     const [across, up] = scales(view, model.controls);
     const { points } = model.trace;
-    const overloads = model.lit[0] || model.lit[1];
-    const shortest = 0.8 * view.ratio;
-    begin(context, view, colours);
+    const isLit = model.lit[0] || model.lit[1];
+    this.expose(context, view);
+    beam.begin(context, view, colours, colours.traces[0], strength * this.exposure);
     for (let at = 3 * from; at < 3 * to; at += 3) {
-      const x = across.zero + across.gain * points[at];
-      const y = up.zero + up.gain * points[at + 1];
-      const seconds = points[at + 2];
-      if (seconds < 0 || this.x !== this.x) {
-        this.flush(context, view, colours, strength);
-        [this.x, this.y, this.seconds] = [x, y, 0];
-        continue;
-      }
-      this.seconds += seconds;
+      const [x, y] = [across.zero + across.gain * points[at], up.zero + up.gain * points[at + 1]];
+      this.seconds = Math.max(0, this.seconds + points[at + 2]);
+      if (points[at + 2] < 0 || this.x !== this.x) [this.x, this.y, this.seconds] = [x, y, 0];
       const length = Math.hypot(x - this.x, y - this.y);
-      if (length < shortest) continue;
+      if (length < 0.8 * view.ratio) continue;
       this.time += this.seconds;
       this.way += length;
-      const pace = (this.seconds / length) * (this.way / this.time || 1);
-      const over = overloads && Math.max(Math.abs(points[at]), Math.abs(points[at + 1])) >= FULL_SCALE * (1 - 1e-6);
-      const level = over ? LEVELS : Math.round(Math.min(LEVELS - 1, Math.max(0, 4 + 1.5 * Math.log2(pace))));
-      this.push(x, y, level);
-      if (this.used === GROUP) this.flush(context, view, colours, strength);
+      // The usual pace has medium brightness.
+      const level = 4.5 + 1.5 * Math.log2((this.seconds * this.way) / (length * this.time) || 1);
+      if (Math.abs(level - this.level) > 0.7) this.level = Math.round(Math.min(LEVELS - 1, Math.max(0, level)));
+      const isOver = isLit && Math.max(Math.abs(points[at]), Math.abs(points[at + 1])) >= FULL_SCALE;
+      beam.line(this.x, this.y, x, y, isOver ? LEVELS : this.level);
+      [this.x, this.y, this.seconds] = [x, y, 0];
     }
-    this.flush(context, view, colours, strength);
-    context.restore();
-  }
-
-  push(x, y, level) {
-    if (this.used === 0) [this.xs[0], this.ys[0]] = [this.x, this.y];
-    this.used += 1;
-    [this.xs[this.used], this.ys[this.used], this.levels[this.used]] = [x, y, level];
-    [this.x, this.y, this.seconds] = [x, y, 0];
-  }
-
-  flush(context, view, colours, strength) {
-    if (this.used === 0) return;
-    // A long curve is drawn darker, so that it shows where it is dense instead of filling the screen.
-    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (3 * this.way * view.ratio) / (view.across * view.up)));
-    if (exposure < 0.7 * this.exposure) {
-      // What was drawn at the former exposure follows.
-      context.globalCompositeOperation = 'destination-out';
-      context.globalAlpha = 1 - exposure / this.exposure;
-      context.fillRect(view.x, view.y, view.across + 1, view.up + 1);
-      context.globalCompositeOperation = colours.dark ? 'lighter' : 'source-over';
-      this.exposure = exposure;
-    }
-    let seen = 0;
-    for (let at = 1; at <= this.used; at += 1) seen |= 1 << this.levels[at];
-    for (let level = 0; level <= LEVELS; level += 1) {
-      if (!(seen & (1 << level))) continue;
-      context.strokeStyle = level === LEVELS ? colours.bad : colours.traces[0];
-      context.beginPath();
-      let isDown = false;
-      for (let at = 1; at <= this.used; at += 1) {
-        if (this.levels[at] === level) {
-          if (!isDown) context.moveTo(this.xs[at - 1], this.ys[at - 1]);
-          context.lineTo(this.xs[at], this.ys[at]);
-        }
-        isDown = this.levels[at] === level;
-      }
-      const bright = strength * exposure * (0.16 + (0.84 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
-      glow(context, view, colours, bright);
-      context.lineWidth = 1.5 * view.ratio;
-      context.globalAlpha = bright;
-      context.stroke();
-    }
-    this.used = 0;
+    beam.end();
   }
 }
 
-/** Paints all of a screen on one canvas, for a picture. */
-export function drawPicture(context, view, colours, model) {
-  drawGrid(context, view, colours, model);
-  const { trace } = model;
-  if (trace.plane) {
-    const pen = new Pen();
-    pen.draw(context, view, colours, model, 0, trace.finished, DIM);
-    pen.draw(context, view, colours, model, trace.finished, trace.count, 1);
-    return;
-  }
-  for (const { columns } of trace.stored) {
-    columns.forEach((each, channel) => drawColumns(context, view, colours, model, each, channel, 0, trace.total, DIM));
-  }
-  drawLive(context, view, colours, model);
+function darken(context, view, alpha) {
+  context.globalAlpha = alpha;
+  context.globalCompositeOperation = 'destination-out';
+  context.fillRect(view.x, view.y, view.across + 2, view.up + 2);
+  context.globalCompositeOperation = 'source-over';
 }
 
 /** The present trace, and the one before where the present one has not arrived. */
 function drawLive(context, view, colours, model) {
-  const { trace } = model;
-  const steady = trace.period < STEADY;
-  const gap = steady ? 0 : Math.ceil(trace.total / 100);
-  trace.columns.forEach((columns, channel) => {
+  const { total, reached, period, columns } = model.trace;
+  const isSteady = period < STEADY;
+  const next = reached + (isSteady || reached === 0 ? 0 : Math.ceil(total / 100));
+  columns.forEach((each, channel) => {
     if (!model.outputs[channel]) return;
-    const next = trace.reached + gap;
-    if (next < trace.total) {
-      drawColumns(context, view, colours, model, columns, channel, next, trace.total, steady ? 1 : DIM);
-    }
-    if (trace.reached > 0) drawColumns(context, view, colours, model, columns, channel, 0, trace.reached, 1);
+    if (next < total) drawColumns(context, view, colours, model, each, channel, next, total, isSteady ? 1 : DIM);
+    if (reached > 0) drawColumns(context, view, colours, model, each, channel, 0, reached, 1);
   });
+}
+
+function drawStored(context, view, colours, model, entry) {
+  const { persistence } = model.controls;
+  const strength = persistence > 0 ? DIM * FADED ** ((model.trace.clock - entry.at) / persistence) : DIM;
+  entry.columns.forEach((each, channel) => drawColumns(context, view, colours, model, each, channel, 0, model.trace.total, strength));
+}
+
+/** Draws all traces: finished ones on one layer, the present one on another, or both on one. */
+export function drawTraces(old, live, view, colours, model, pen = new Pen()) {
+  const { trace } = model;
+  if (trace.plane) {
+    pen.draw(old, view, colours, model, 0, trace.finished, DIM);
+    // Parts, so that the brightness of a long curve is adapted on the way.
+    for (let at = trace.finished; at < trace.count; at += 2000) {
+      pen.draw(live, view, colours, model, at, Math.min(at + 2000, trace.count), 1);
+    }
+  } else {
+    for (const entry of trace.stored) drawStored(old, view, colours, model, entry);
+    drawLive(live, view, colours, model);
+  }
 }
 
 /** The layers of a screen: graticule, finished traces, present trace. A layer is drawn only if it has changed. */
 export class Screen {
-  view = layout(10, 10, 1, 12);
-  colours = null;
-  /** Whether everything must be drawn again. */
-  stale = true;
-  version = -1;
-  changes = -1;
+  view = layout(10, 10, 1, 1);
+  isStale = true;
+  pen = new Pen();
   begun = 0;
-  left = NaN;
-  /** Number of points drawn, with those that were dropped. */
+  /** Points of the present curve, and stored traces, that are drawn. */
   drawn = 0;
-  /** Numbers of points at the last steps of fading. */
-  marks = [];
+  newest = null;
   /** The clock of the trace at the last step of fading. */
   faded = 0;
-  pen = new Pen();
 
-  /** @param {HTMLElement} box @param {HTMLCanvasElement[]} canvases */
   constructor(box, canvases) {
-    this.box = box;
-    this.canvases = canvases;
     [this.grid, this.old, this.live] = canvases.map((canvas) => canvas.getContext('2d'));
+    this.box = box;
   }
 
   resize() {
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [Math.round(this.box.clientWidth * ratio), Math.round(this.box.clientHeight * ratio)];
     this.colours = palette(this.box);
-    this.view = layout(width, height, ratio, this.colours.size);
-    for (const canvas of this.canvases) [canvas.width, canvas.height] = [width, height];
-    this.stale = true;
-  }
-
-  /** Draws what has changed since the last time. */
-  draw(model) {
-    const { trace } = model;
-    const { view, colours } = this;
-    if (this.stale || this.left !== trace.left) drawGrid(this.grid, view, colours, model);
-    this.left = trace.left;
-    if (this.stale || this.version !== trace.version) {
-      this.redraw(model);
-    } else {
-      this.fade(model);
-      if (this.changes !== trace.changes) this.extend(model);
-    }
-    this.stale = false;
-    [this.version, this.changes, this.begun] = [trace.version, trace.changes, trace.begun];
+    this.view = layout(width, height, ratio, 1.9 * this.colours.size * ratio);
+    for (const { canvas } of [this.grid, this.old, this.live]) if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    this.isStale = true;
   }
 
   clear(context) {
     context.clearRect(0, 0, this.view.width, this.view.height);
   }
 
-  redraw(model) {
-    const { trace, controls } = model;
-    this.clear(this.old);
-    this.clear(this.live);
-    this.pen.reset();
-    if (!trace.plane) {
-      for (const entry of trace.stored) this.drawStored(model, entry);
-      drawLive(this.live, this.view, this.colours, model);
-      return;
+  /** Draws what has changed since the last time. */
+  draw(model) {
+    const { view, colours, old, live, pen } = this;
+    const { trace } = model;
+    if (this.isStale || this.left !== trace.left) drawGrid(this.grid, view, colours, model);
+    if (this.isStale || this.version !== trace.version) {
+      this.clear(old);
+      this.clear(live);
+      pen.reset();
+      drawTraces(old, live, view, colours, model, pen);
+      this.faded = trace.clock;
+    } else {
+      this.fade(model);
+      if (this.changes === trace.changes) return;
+      if (trace.plane) {
+        this.extend(model);
+      } else {
+        const newest = trace.stored.at(-1);
+        if (newest && newest !== this.newest) drawStored(old, view, colours, model, newest);
+        this.clear(live);
+        drawLive(live, view, colours, model);
+      }
     }
-    this.pen.draw(this.old, this.view, this.colours, model, 0, trace.finished, DIM);
-    // The parts of a fading curve, from the faintest to the brightest.
-    let from = trace.finished;
-    const steps = controls.persistence > 0 ? this.marks.length : 0;
-    for (let at = 0; at <= steps; at += 1) {
-      const to = at < steps ? Math.max(from, this.marks[at] - trace.dropped) : trace.count;
-      this.pen.draw(this.live, this.view, this.colours, model, from, Math.min(to, trace.count), (1 - FADE) ** (steps - at));
-      from = to;
-    }
-    this.drawn = trace.dropped + trace.count;
+    this.isStale = false;
+    trace.replaced = 0;
+    [this.left, this.version, this.changes, this.begun] = [trace.left, trace.version, trace.changes, trace.begun];
+    [this.newest, this.drawn] = [trace.stored.at(-1), trace.count - trace.finished];
   }
 
-  drawStored(model, entry) {
-    const { persistence } = model.controls;
-    const strength = persistence > 0 ? DIM * FADED ** ((model.trace.clock - entry.at) / persistence) : DIM;
-    entry.isDrawn = true;
-    if (strength < FADED * DIM) return;
-    entry.columns.forEach((columns, channel) => drawColumns(
-      this.old, this.view, this.colours, model, columns, channel, 0, model.trace.total, strength,
-    ));
-  }
-
+  /** Draws the new points of a curve. */
   extend(model) {
     const { trace } = model;
-    if (!trace.plane) {
-      for (const entry of trace.stored) if (!entry.isDrawn) this.drawStored(model, entry);
-      this.clear(this.live);
-      drawLive(this.live, this.view, this.colours, model);
-      return;
-    }
     if (this.begun !== trace.begun) {
       this.old.globalAlpha = DIM;
       this.old.drawImage(this.live.canvas, 0, 0);
       this.clear(this.live);
       this.pen.reset();
-      this.marks.length = 0;
-      this.drawn = trace.dropped + trace.finished;
+      this.drawn = 0;
+    } else {
+      this.pen.seconds -= trace.replaced;
     }
-    this.pen.draw(this.live, this.view, this.colours, model, Math.max(0, this.drawn - trace.dropped), trace.count, 1);
-    this.drawn = trace.dropped + trace.count;
+    const from = trace.replaced > 0 ? this.drawn - 1 : this.drawn;
+    this.pen.draw(this.live, this.view, this.colours, model, trace.finished + Math.max(0, from), trace.count, 1);
   }
 
-  /** Fades finished traces, and curves behind the spot, in steps that 8 bits resolve. */
+  /** Fades finished traces, and curves behind the spot. */
   fade({ trace, controls }) {
-    const lasts = controls.persistence || (trace.plane && !controls.store ? AFTERGLOW : 0);
-    const step = lasts * (Math.log(1 - FADE) / Math.log(FADED));
-    const due = lasts > 0 ? Math.floor((trace.clock - this.faded) / step) : 0;
-    if (lasts === 0) this.faded = trace.clock;
-    if (due <= 0) return;
-    this.faded += due * step;
-    const left = (1 - FADE) ** due;
-    this.darken(this.old, 1 - left);
-    if (!trace.plane || controls.persistence === 0) return;
-    this.darken(this.live, 1 - left);
+    const { plane, clock } = trace;
+    const seconds = controls.persistence || (plane && !controls.store ? AFTERGLOW : Infinity);
+    const step = seconds * (Math.log(1 - FADE) / Math.log(FADED));
+    if (seconds === Infinity || clock < this.faded) this.faded = clock;
+    if (clock - this.faded < step) return;
+    const left = (1 - FADE) ** ((clock - this.faded) / step);
+    this.faded = clock;
+    darken(this.old, this.view, 1 - left);
+    if (!plane || controls.persistence === 0) return;
+    darken(this.live, this.view, 1 - left);
     this.pen.time *= left;
     this.pen.way *= left;
-    this.marks.push(this.drawn);
-    if (this.marks.length > MOST_MARKS) this.marks.shift();
-  }
-
-  darken(context, alpha) {
-    context.globalAlpha = alpha;
-    context.globalCompositeOperation = 'destination-out';
-    context.fillRect(0, 0, this.view.width, this.view.height);
-    context.globalCompositeOperation = 'source-over';
-    context.globalAlpha = 1;
   }
 
   /** Place of a channel's spot in CSS pixels; null if it is not on the screen. */
   spot({ trace, controls, outputs }, channel) {
     const { view } = this;
-    let [x, y] = [this.pen.x, this.pen.y];
+    let [x, y] = channel === 0 ? [this.pen.x, this.pen.y] : [NaN, NaN];
     if (!trace.plane) {
       if (!outputs[channel] || trace.reached === 0 || trace.reached >= trace.total || trace.period < STEADY) return null;
       const { gain, zero } = scales(view, controls)[channel];
       x = view.x + (view.across * trace.reached) / trace.total;
       y = zero + gain * trace.valueAt(channel, (trace.reached - 0.5) / trace.total);
-    } else if (channel === 1) {
-      return null;
     }
     const isInside = x >= view.x && x <= view.x + view.across && y >= view.y && y <= view.y + view.up;
     return isInside ? [x / view.ratio, y / view.ratio] : null;
