@@ -1,6 +1,6 @@
 /** The controls of a scope: selects, switches and buttons around the screen. */
 
-import { el } from './dom.js';
+import { el, svg } from './dom.js';
 import { nameOf, si } from './scope-screen.js';
 
 const PERSISTENCE = [0, 0.2, 0.5, 1, 2, 5, 10, 20, 60];
@@ -90,7 +90,7 @@ function channelControls(channel, model, act) {
   const legend = el('legend', {});
   const activate = () => act.activate(channel);
   const group = el('fieldset', { class: `scope-channel-${channel + 1}`, onfocusin: activate }, legend,
-    field('Probe', probe, push('⌖', () => act.place(channel), `${name}: place the probe by a click on an output`)),
+    field('Probe', probe, push(svg('svg', { viewBox: '0 0 20 20', 'aria-hidden': 'true' }, svg('path', { d: 'M10 1v6m0 6v6M1 10h6m6 0h6M10 4.5a5.5 5.5 0 1 0 .01 0' })), () => act.place(channel), `${name}: place the probe by a click on an output`)),
     field('Per division', volts, steps(`${name}, per division`, (direction) => act.stepVolts(channel, direction))),
     field('Position', position, invert));
   let filled;

@@ -17,7 +17,7 @@ const STEADY = 300;
 /** What remains of a faded trace, and the part that one step removes: smaller steps would leave a rest in 8 bits. */
 const [FADED, FADE] = [0.03, 0.1];
 /** Least brightness of a long curve, so that its newest part is visible. */
-const LEAST_EXPOSURE = 0.15;
+const LEAST_EXPOSURE = 0.1;
 
 const lows = new Float32Array(1 << 13);
 const highs = new Float32Array(1 << 13);
@@ -178,7 +178,7 @@ class Beam {
     const { context, view, level } = this;
     this.lines = 0;
     if (level < 0) return;
-    const bright = this.strength * (0.18 + (0.82 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
+    const bright = this.strength * (0.22 + (0.78 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
     context.strokeStyle = level === LEVELS ? this.colours.bad : this.colour;
     if (this.colours.dark && bright > 0.3) {
       context.lineWidth = 6 * view.ratio;
@@ -203,22 +203,16 @@ const beam = new Beam();
  * beyond this line (noise, an edge) is a bar. The longer the way of the beam in a column, the darker it is.
  */
 function drawColumns(context, view, colours, model, columns, channel, from, to, strength) {
-  const { total } = model.trace;
-  const pixels = Math.min(total, view.across, lows.length);
   const { gain, zero } = scales(view, model.controls)[channel];
-  const [begins, ends, width] = [Math.floor((from * pixels) / total), Math.ceil((to * pixels) / total), view.across / pixels];
+  const width = view.across / model.trace.total;
   const middle = (at) => (lows[at] + highs[at]) / 2;
   let bright = LEVELS;
-  for (let at = begins; at < ends; at += 1) {
-    let [low, high] = [Infinity, -Infinity];
-    for (let column = Math.max(from, Math.floor((at * total) / pixels)); column < Math.min(to, ((at + 1) * total) / pixels); column += 1) {
-      if (columns[2 * column] < low) low = columns[2 * column];
-      if (columns[2 * column + 1] > high) high = columns[2 * column + 1];
-    }
+  for (let at = from; at < to; at += 1) {
+    const [low, high] = [columns[2 * at], columns[2 * at + 1]];
     const [one, other] = [zero + gain * low, zero + gain * high];
     [lows[at], highs[at]] = low <= high ? [Math.min(one, other), Math.max(one, other)] : [NaN, NaN];
-    const way = Math.max(highs[at] - lows[at], at > begins ? Math.abs(middle(at) - middle(at - 1)) || 0 : 0);
-    const level = LEVELS - 1 - 1.05 * Math.log2(Math.hypot(width, way) / width);
+    const way = Math.max(highs[at] - lows[at], at > from ? Math.abs(middle(at) - middle(at - 1)) || 0 : 0);
+    const level = LEVELS - 1 - 0.8 * Math.log2(Math.hypot(width, way) / width);
     // Brightness follows slowly, so that a smooth trace is not a chain of pieces.
     if (Math.abs(level - bright) > 0.9) bright = Math.max(0, Math.round(level)) || 0;
     levels[at] = model.lit[channel] && (high >= FULL_SCALE || low <= -FULL_SCALE) ? LEVELS : Math.min(bright, LEVELS - 1);
@@ -226,12 +220,12 @@ function drawColumns(context, view, colours, model, columns, channel, from, to, 
   const [dash, period] = channel === 1 ? [10 * view.ratio, 14 * view.ratio] : [0, 1];
   let way = 0;
   beam.begin(context, view, colours, colours.traces[channel], strength);
-  for (let at = begins; at < ends; at += 1) {
+  for (let at = from; at < to; at += 1) {
     const here = middle(at);
     if (here !== here) continue;
     const x = view.x + (at + 0.5) * width;
-    const before = at > begins ? middle(at - 1) : NaN;
-    const after = at + 1 < ends ? middle(at + 1) : NaN;
+    const before = at > from ? middle(at - 1) : NaN;
+    const after = at + 1 < to ? middle(at + 1) : NaN;
     const length = Math.hypot(width, here - before);
     // The second channel is dashed along its way.
     if (length === length && (dash === 0 || length > dash || way % period < dash)) beam.line(x - width, before, x, here, levels[at]);
@@ -259,7 +253,7 @@ class Pen {
 
   /** A long curve is drawn darker, so that it shows where it is dense. What is already drawn follows. */
   expose(context, view) {
-    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (3 * this.way * view.ratio) / (view.across * view.up)));
+    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (5 * this.way * view.ratio) / (view.across * view.up)));
     if (exposure > 0.7 * this.exposure) return;
     darken(context, view, 1 - exposure / this.exposure);
     this.exposure = exposure;
