@@ -77,7 +77,7 @@ function fillVolts(list, output) {
   const group = (unit, perVolt) => el('optgroup', { label: `${unit} per division` },
     series(stepOf(LEAST_VOLTS * perVolt * 0.999, 1), MOST_VOLTS * perVolt)
       .map((value) => option(value / perVolt, `${si(value, unit)}/div`)));
-  list.replaceChildren(group('V', 1), ...(output?.signal ? [group(output.unit, Math.abs(output.per_volt))] : []));
+  list.replaceChildren(...(output?.signal ? [group(output.unit, Math.abs(output.per_volt))] : []), group('V', 1));
 }
 
 function channelControls(channel, model, act) {

@@ -25,7 +25,7 @@ class Recorder {
 
   beginPath() { this.path = []; }
   moveTo(x, y) { this.path.push(`M${x.toFixed(1)} ${y.toFixed(1)}`); }
-  lineTo(x, y) { this.path.push(`L${x.toFixed(1)} ${y.toFixed(1)}`); }
+  lineTo(x, y) { this.path.push(`${this.path.length > 0 ? 'L' : 'M'}${x.toFixed(1)} ${y.toFixed(1)}`); }
   rect(x, y, width, height) { this.path.push(`M${x} ${y}h${width}v${height}h${-width}z`); }
   clearRect() {}
   fillRect() {}
@@ -43,7 +43,7 @@ class Recorder {
   stroke() {
     this.add('path', {
       d: this.path.join(''), fill: 'none', stroke: this.strokeStyle, 'stroke-width': this.lineWidth,
-      'stroke-opacity': Number(this.globalAlpha.toFixed(3)), 'stroke-linejoin': 'round', 'stroke-linecap': 'round',
+      'stroke-opacity': Number(this.globalAlpha.toFixed(3)), 'stroke-linejoin': 'round',
     });
   }
 
@@ -78,7 +78,7 @@ function drawAxes(context, view, paint, { controls, outputs, title }) {
     const output = outputs[channel];
     if (!output) return;
     const colour = controls.display === 'plane' ? paint.ink : paint.traces[channel];
-    for (let at = 0; at <= (isX ? ACROSS : UP); at += 2) {
+    for (let at = isX ? 1 : 0; at <= (isX ? ACROSS : UP); at += 2) {
       const place = (isX ? view.x : view.y) + at * view.division;
       const value = si(((place - zero) / gain) * output.per_volt, '1');
       const isRight = channel === 1 && controls.display === 'time';

@@ -83,8 +83,8 @@ export function mountScope(root, index) {
     setVolts: (channel, volts) => change(({ channels }) => setVolts(channels[channel], volts)),
     stepVolts: (channel, direction) => change(({ channels }) => {
       const { volts_per_division: volts } = channels[channel];
-      const perVolt = isRound(volts) ? 1 : Math.abs(model.outputs[channel]?.per_volt ?? 1);
-      setVolts(channels[channel], stepVolts(volts, direction, perVolt));
+      const perVolt = Math.abs(model.outputs[channel]?.per_volt ?? 1);
+      setVolts(channels[channel], stepVolts(volts, direction, isRound(volts * perVolt) ? perVolt : 1));
     }),
     setPosition: (channel, position) => change(({ channels }) => setPosition(channels[channel], position)),
     setBase: (seconds) => change((controls) => { controls.seconds_per_division = seconds; }),
