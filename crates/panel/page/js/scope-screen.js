@@ -163,7 +163,7 @@ class Beam {
   }
 
   line(x1, y1, x2, y2, level) {
-    if (level !== this.level || this.lines > 200) {
+    if (level !== this.level) {
       this.paint();
       this.level = level;
       this.x = NaN;
@@ -188,6 +188,11 @@ class Beam {
     context.lineWidth = 1.6 * view.ratio;
     context.globalAlpha = bright;
     context.stroke();
+  }
+
+  split() {
+    this.paint();
+    this.level = -1;
   }
 
   end() {
@@ -277,6 +282,8 @@ class Pen {
       const level = 4.5 + 1.5 * Math.log2((this.seconds * this.way) / (length * this.time) || 1);
       if (Math.abs(level - this.level) > 0.7) this.level = Math.round(Math.min(LEVELS - 1, Math.max(0, level)));
       const isOver = isLit && Math.max(Math.abs(points[at]), Math.abs(points[at + 1])) >= FULL_SCALE;
+      // Lines of one path do not add up where they cross, those of two do.
+      if (beam.lines > 200) beam.split();
       beam.line(this.x, this.y, x, y, isOver ? LEVELS : this.level);
       [this.x, this.y, this.seconds] = [x, y, 0];
     }

@@ -247,7 +247,7 @@ export function mountScope(root, index) {
   on('frame', (frame) => {
     if (!model.controls) return;
     const now = performance.now();
-    isMoving = frame.moves;
+    isMoving = frame.moves && !frame.paused;
     if (isMoving) trace.clock += Math.min(0.1, (now - frameAt) / 1000);
     frameAt = now;
     places.forEach((place, channel) => {
