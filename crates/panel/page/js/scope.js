@@ -3,8 +3,9 @@
 import { el } from './dom.js';
 import { makeControls, stepOf, stepVolts, TIME_BASES } from './scope-controls.js';
 import { save } from './scope-export.js';
+import { ACROSS, nameOf, reading, scales, si, UP } from './scope-grid.js';
 import { makeMark, placeMark } from './scope-marks.js';
-import { ACROSS, nameOf, reading, scales, Screen, si, UP } from './scope-screen.js';
+import { Screen } from './scope-screen.js';
 import { Trace } from './scope-trace.js';
 import { on, selectProbe, send, state } from './state.js';
 
