@@ -181,6 +181,24 @@ impl<'p> LiveRun<'p> {
         Ok(LiveState::BetweenPhases)
     }
 
+    /// Replaces the phases that are left, and ends the present one.
+    ///
+    /// # Errors
+    /// If a voltage is not a number, or a loop does not have exactly one solution.
+    pub fn replace_phases(&mut self, phases: &[Phase]) -> Result<(), RunError> {
+        self.leave_fast_path()?;
+        self.queue = PhaseQueue::new(phases);
+        match self.operating.take() {
+            Some(operating) => self.player.end_operating(operating.phase, Ok(())),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether all phases have been played.
+    pub fn is_finished(&self) -> bool {
+        self.operating.is_none() && self.queue.is_empty()
+    }
+
     /// Adds a phase after those that are left.
     pub fn append(&mut self, phase: Phase) {
         self.queue.append(phase);
@@ -253,7 +271,8 @@ impl<'p> LiveRun<'p> {
         &mut watch.points
     }
 
-    /// The samples since the last call, of the signals that the settings record.
+    /// The samples since the last call, of the signals that the settings record. Records of phases and repetitions that
+    /// have ended are dropped.
     pub fn take_samples(&mut self) -> Trace {
         self.player.recorder.take_samples()
     }
@@ -342,6 +361,11 @@ impl PhaseQueue {
     /// All phases of a run.
     fn new(phases: &[Phase]) -> Self {
         PhaseQueue { levels: vec![Level { phases: phases.to_vec(), next: 0, times_left: 0 }] }
+    }
+
+    /// Whether no phase is left.
+    fn is_empty(&self) -> bool {
+        self.levels.iter().all(|level| level.times_left == 0 && level.next >= level.phases.len())
     }
 
     /// Adds a phase before the others.

@@ -321,8 +321,15 @@ impl<'a> Recorder<'a> {
         (self.last_time, self.is_fresh) = (clock, false);
     }
 
-    /// The samples since the last call. They are no longer in the record.
+    /// The samples since the last call. They are no longer in the record, and nor are phases and repetitions that have
+    /// ended.
     pub(super) fn take_samples(&mut self) -> Trace {
+        let ended = self.trace.repetitions.len().saturating_sub(1);
+        self.trace.repetitions.drain(..ended);
+        for track in &mut self.trace.tracks {
+            track.extremes.drain(..ended.min(track.extremes.len()));
+        }
+        self.trace.phase_records.drain(..self.trace.phase_records.len().saturating_sub(1));
         let taken = Trace { time: std::mem::take(&mut self.trace.time), ..Trace::default() };
         self.flushed += taken.len();
         let tracks = self.trace.tracks.iter_mut().map(|track| {
