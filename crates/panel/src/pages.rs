@@ -38,8 +38,9 @@ mod tests {
             if path.is_dir() {
                 files(root, &path, found);
             } else {
-                let parts: Vec<_> = path.strip_prefix(root).unwrap().iter().collect();
-                found.push(parts.join("/".as_ref()).into_string().unwrap());
+                let inside = path.strip_prefix(root).unwrap();
+                let parts: Vec<&str> = inside.iter().map(|part| part.to_str().unwrap()).collect();
+                found.push(parts.join("/"));
             }
         }
     }

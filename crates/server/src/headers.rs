@@ -3,12 +3,12 @@
 use axum::http::header::{self, HeaderMap, HeaderName, HeaderValue};
 
 /// The headers that do not depend on the request.
-const FIXED: [(HeaderName, &str); 5] = [
-    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    (header::REFERRER_POLICY, "no-referrer"),
-    (header::CACHE_CONTROL, "no-store"),
-    (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
-    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+const FIXED: [(&str, &str); 5] = [
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cache-control", "no-store"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cross-origin-resource-policy", "same-origin"),
 ];
 
 /// The policy of a response that is not a page of the panel.
@@ -18,7 +18,7 @@ const NOTHING: &str = "default-src 'none'";
 /// request is refused because it has none.
 pub(crate) fn secure(headers: &mut HeaderMap, host: Option<&str>) {
     for (name, value) in FIXED {
-        headers.insert(name, HeaderValue::from_static(value));
+        headers.insert(HeaderName::from_static(name), HeaderValue::from_static(value));
     }
     let policy = host.and_then(|host| HeaderValue::from_str(&policy(host)).ok());
     headers.insert(header::CONTENT_SECURITY_POLICY, policy.unwrap_or(HeaderValue::from_static(NOTHING)));

@@ -29,9 +29,8 @@ impl Names {
     pub(crate) fn has(&self, host: &str) -> bool {
         let (name, port) = name_and_port(host);
         let is_loopback = LOOPBACK.iter().any(|known| known.eq_ignore_ascii_case(name));
-        let is_own = address(name).is_some_and(|named| {
-            self.address.ip().is_unspecified() || named == self.address.ip()
-        });
+        let is_own = address(name)
+            .is_some_and(|named| self.address.ip().is_unspecified() || named == self.address.ip());
         port == Some(self.address.port()) && (is_loopback || is_own)
     }
 }
@@ -71,8 +70,18 @@ mod tests {
             assert!(names.has(host), "{host}");
         }
         for host in [
-            "", ":1451", "localhost", "localhost:", "localhost:80", "localhost:+1451", "localhost:1451:1451",
-            "::1:1451", "192.168.0.1:1451", "example.org:1451", "localhost.example.org:1451", "127.0.0.1",
+            "",
+            ":1451",
+            "localhost",
+            "localhost:",
+            "localhost:80",
+            "localhost:+1451",
+            "localhost:1451:1451",
+            "::1:1451",
+            "192.168.0.1:1451",
+            "example.org:1451",
+            "localhost.example.org:1451",
+            "127.0.0.1",
         ] {
             assert!(!names.has(host), "{host}");
         }

@@ -37,7 +37,7 @@ pub(crate) fn router(host: Arc<Host>) -> Router {
 
 /// Refuses requests that name another server, and adds headers to all responses.
 async fn guard(State(host): State<Arc<Host>>, request: Request, next: Next) -> Response {
-    let name = single(request.headers(), &header::HOST).filter(|name| host.names.has(name));
+    let name = single(request.headers(), header::HOST).filter(|name| host.names.has(name));
     let name = name.map(str::to_owned);
     let mut response = match name {
         Some(_) => next.run(request).await,
@@ -48,7 +48,7 @@ async fn guard(State(host): State<Arc<Host>>, request: Request, next: Next) -> R
 }
 
 /// The value of a header that is there once; otherwise `None`.
-fn single<'h>(headers: &'h HeaderMap, name: &HeaderName) -> Option<&'h str> {
+fn single(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
     let mut values = headers.get_all(name).iter();
     let first = values.next()?;
     if values.next().is_some() { None } else { first.to_str().ok() }
@@ -70,7 +70,8 @@ async fn page(method: Method, uri: Uri) -> Response {
     if method != Method::GET && method != Method::HEAD {
         return refusal(StatusCode::METHOD_NOT_ALLOWED, "pages can only be read");
     }
-    let path = if uri.path() == "/" { FIRST_PAGE } else { uri.path().trim_start_matches('/') };
+    let path = uri.path().strip_prefix('/').unwrap_or_default();
+    let path = if path.is_empty() { FIRST_PAGE } else { path };
     match PAGES.iter().find(|page| page.path == path) {
         Some(page) => ([(header::CONTENT_TYPE, page.kind)], page.bytes).into_response(),
         None => refusal(StatusCode::NOT_FOUND, "there is no such page"),
@@ -98,9 +99,9 @@ async fn patch(State(host): State<Arc<Host>>, uri: Uri) -> Response {
 /// The WebSocket of a session.
 async fn session(
     State(host): State<Arc<Host>>,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
     uri: Uri,
     headers: HeaderMap,
-    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
     if !is_from_own_page(&headers) {
         return refusal(StatusCode::FORBIDDEN, "only the page of the panel may begin a session");
@@ -110,8 +111,7 @@ async fn session(
     }
     match upgrade {
         Ok(upgrade) => {
-            let upgrade =
-                upgrade.max_message_size(host.limits.message).max_frame_size(host.limits.message);
+            let upgrade = upgrade.max_message_size(host.limits.message).max_frame_size(host.limits.message);
             upgrade.on_upgrade(move |socket| run_session(host, socket))
         }
         Err(rejection) => rejection.into_response(),
@@ -120,8 +120,8 @@ async fn session(
 
 /// Whether the header `Origin` names the server as the header `Host` does. Browsers add it to every WebSocket.
 fn is_from_own_page(headers: &HeaderMap) -> bool {
-    let origin = single(headers, &header::ORIGIN).and_then(|origin| origin.strip_prefix("http://"));
-    match (origin, single(headers, &header::HOST)) {
+    let origin = single(headers, header::ORIGIN).and_then(|origin| origin.strip_prefix("http://"));
+    match (origin, single(headers, header::HOST)) {
         (Some(origin), Some(host)) => origin.eq_ignore_ascii_case(host),
         _ => false,
     }

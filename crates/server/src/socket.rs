@@ -33,8 +33,9 @@ async fn answer_all(
     loop {
         let text = match timeout(silence, socket.recv()).await {
             Ok(Some(Ok(Message::Text(text)))) => text,
-            Ok(Some(Ok(Message::Ping(_) | Message::Pong(_)))) => continue,
-            Ok(Some(Ok(Message::Close(_))) | None) => return None,
+            // The next read answers the message that closes the connection, and finds its end.
+            Ok(Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Close(_)))) => continue,
+            Ok(None) => return None,
             Ok(Some(Ok(Message::Binary(_)))) => return Some(unsupported()),
             Ok(Some(Err(_))) => return Some(invalid()),
             Err(_) => return Some(silent()),
@@ -69,7 +70,8 @@ pub(crate) async fn close(mut socket: WebSocket, frame: CloseFrame) {
 
 /// The reason if there are as many sessions as permitted.
 pub(crate) fn too_many(sessions: usize) -> CloseFrame {
-    let reason = format!("{sessions} panels are open, which is the most: close another one, then reload this page");
+    let reason =
+        format!("{sessions} panels are open, which is the most: close another one, then reload this page");
     CloseFrame { code: close_code::AGAIN, reason: reason.into() }
 }
 
