@@ -123,7 +123,7 @@ enum Command {
     Profile(profile::Arguments),
     /// Compare a patch with measured data, find the effect that it lacks, and write a patch with this effect
     Gap(gap::Arguments),
-    /// Open the front panel in a browser: patch, turn pots, operate and watch, with a patch or an empty panel
+    /// Open the front panel in a browser: turn pots, move cords, operate, and watch the scopes
     #[cfg(feature = "panel")]
     Panel(panel::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords

@@ -53,7 +53,7 @@ pub(crate) fn start_with(limits: Limits) -> Running {
 pub(crate) struct Response {
     /// Its status.
     pub status: u16,
-    /// Its headers, in lower case.
+    /// Its headers in lower case, each with its line end.
     pub headers: String,
     /// Its content.
     pub body: Vec<u8>,
@@ -74,7 +74,7 @@ impl Running {
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
         let end = bytes.windows(4).position(|window| window == b"\r\n\r\n").unwrap();
-        let headers = String::from_utf8(bytes[..end].to_vec()).unwrap().to_lowercase();
+        let headers = String::from_utf8(bytes[..end + 2].to_vec()).unwrap().to_lowercase();
         let status = headers.split(' ').nth(1).unwrap().parse().unwrap();
         Response { status, headers, body: bytes[end + 4..].to_vec() }
     }

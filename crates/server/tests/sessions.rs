@@ -9,7 +9,7 @@ use crate::client::{NOTHING, Running, ask, options, start, start_with};
 
 /// The status of the response to a WebSocket with this header and this query.
 fn status(server: &Running, origin: &str, query: &str) -> u16 {
-    let lines = [
+    let lines: [&str; 6] = [
         &format!("GET /session{query} HTTP/1.1"),
         &format!("Host: {}", server.address),
         origin,
