@@ -18,10 +18,10 @@ use patchcord::output::io_reason;
 
 /// What the panel may do.
 const SAFETY: &str = "\
-The panel is a page of a server on this computer. Its address has a token, without which nobody can use the panel. Other \
-users of the computer can see the address in the list of processes while a browser is opened with it; --no-open avoids \
-that. The panel reads tables of patches only in the folder of the patch and below it, and it writes no files. A browser \
-saves patches in its own folder for downloads.";
+The panel is a page of a server on this computer. Its address has a token, without which nobody can use
+the panel. Other users of the computer can see the address in the list of processes when a browser is
+opened with it; --no-open avoids that. The panel reads tables of patches only in the folder of the patch
+and below it, and it writes no files. A browser saves patches in its own folder for downloads.";
 
 #[derive(Args)]
 #[command(after_help = SAFETY)]
