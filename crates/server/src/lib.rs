@@ -8,7 +8,8 @@
 //! * The server listens at the loopback address, unless the options name another one.
 //! * A request must name the server by an address or as localhost, so that a page of another site cannot reach it under
 //!   a name of that site.
-//! * A session needs a random token, which only the address of the panel has, and a WebSocket that the page itself opens.
+//! * A session needs a random token, which only the address of the panel has. Only the page itself may open its
+//!   WebSocket.
 //! * The policy of each response permits only scripts, styles and connections of the server itself.
 //! * Only the pages in the program are served, never files. A session reads tables below one folder.
 //! * [`Limits`] restrict connections, sessions, messages and times.

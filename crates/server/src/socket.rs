@@ -1,7 +1,7 @@
 //! The WebSocket of a page: it passes requests to the session and answers back.
 //!
-//! A request is a text message. Its answer is a text message, and a binary message if there is a frame. The next request
-//! is read after that, so a page that sends more than the session can do has to wait.
+//! A request is a text message. Its answer is a text message, and a binary message if there is a frame. Only then the
+//! next request is read, so a page that sends more than the session can do has to wait.
 
 use std::time::Duration;
 
