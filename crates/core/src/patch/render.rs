@@ -67,9 +67,9 @@ pub(super) fn root_of(text: &str) -> Node {
 /// # Errors
 /// If the path of a `Put` does not exist.
 pub(super) fn render(text: &str, batch: &[DocumentEdit]) -> Result<String, EditError> {
-    let removes = |edit: &DocumentEdit| matches!(edit, DocumentEdit::Remove(_));
+    let puts_values = |edit: &DocumentEdit| !matches!(edit, DocumentEdit::Remove(_));
     let mut text = text.to_owned();
-    for edits in batch.chunk_by(|edit, next| !removes(edit) && !removes(next)) {
+    for edits in batch.chunk_by(|edit, next| puts_values(edit) && puts_values(next)) {
         let root = root_of(&text);
         text = match edits {
             [DocumentEdit::Remove(removal)] => cut(&text, &root, &removal.pruned(&root)),

@@ -17,8 +17,8 @@ impl PatchEditor {
     /// the document.
     ///
     /// # Errors
-    /// If the patch does not have the element or the cord, the element is inside an instance of a macro, or an earlier
-    /// edit cannot be carried out.
+    /// If the patch does not have the element or the cord, the element is inside an instance of a macro, or the path of
+    /// an earlier [`PatchEditor::put`] does not exist.
     ///
     /// # Examples
     ///
@@ -78,7 +78,7 @@ impl PatchEditor {
     ///
     /// # Errors
     /// If the patch does not have the element, its kind or macro does not have the setting, the element is inside an
-    /// instance of a macro, or an earlier edit cannot be carried out.
+    /// instance of a macro, or the path of an earlier [`PatchEditor::put`] does not exist.
     ///
     /// # Examples
     ///
@@ -111,8 +111,8 @@ impl PatchEditor {
     /// A phase that waited for the element then lasts for its whole time. Inputs of other elements can become open.
     ///
     /// # Errors
-    /// If the patch does not have the element, it is inside an instance of a macro, or an earlier edit cannot be carried
-    /// out.
+    /// If the patch does not have the element, it is inside an instance of a macro, or the path of an earlier
+    /// [`PatchEditor::put`] does not exist.
     ///
     /// # Examples
     ///
