@@ -158,7 +158,7 @@ impl Circuit {
 
     /// The gains that the machine has at the inputs of an element, in ascending order. Empty if it has all gains.
     pub fn input_gains(&self, element: usize) -> &'static [f64] {
-        resolve::available_gains(self.machine, self.element(element).kind)
+        self.element(element).kind.available_gains(self.machine)
     }
 
     /// The warnings about the patch. If the patch was edited, its text is read again for the positions.
