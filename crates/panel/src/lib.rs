@@ -6,6 +6,10 @@
 #![forbid(unsafe_code)]
 
 pub mod command;
+pub mod document;
 pub mod event;
 pub mod frame;
+pub mod places;
 pub mod scope;
+pub mod view;
+mod wiring;

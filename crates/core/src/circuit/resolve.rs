@@ -376,8 +376,21 @@ fn jack_names(input: &Input) -> String {
     if input.jacks == Jacks::Gains { input.jack_text() } else { format!("\"{}\"", input.name) }
 }
 
-/// The input gains that the machine has for a kind. Empty if it has all gains.
-pub(super) fn available_gains(machine: &MachineModel, kind: &Kind) -> &'static [f64] {
+/// The input gains that the machine has for a kind, in ascending order. Empty if it has all gains.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::available_gains;
+/// use patchcord_core::elements::{Family, find};
+/// use patchcord_core::machines;
+///
+/// let machine = machines::find("solartron-1451").expect("a machine");
+/// let gains = |kind| find(Family::Computing, kind).map(|kind| available_gains(machine, kind));
+/// assert_eq!(gains("summer"), Some(&[1.0, 10.0][..]));
+/// assert_eq!(gains("integrator"), Some(&[1.0, 10.0, 100.0, 1000.0][..]));
+/// ```
+pub fn available_gains(machine: &MachineModel, kind: &Kind) -> &'static [f64] {
     if kind.transfer == Transfer::Integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 
