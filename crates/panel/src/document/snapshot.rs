@@ -99,7 +99,9 @@ pub(super) fn restore(snapshot: &Value, folder: &Path) -> Result<Document, Refus
 
 /// The steps of a history.
 fn steps(saved: Vec<SavedStep>, texts: &[Arc<str>]) -> Result<Vec<Step>, Refusal> {
-    let step = |SavedStep { label, kind, state: saved }| Ok(Step { label, kind, state: state(saved, texts)? });
+    let step = |SavedStep { label, kind, state: saved }| {
+        state(saved, texts).map(|state| Step { label, kind, state })
+    };
     saved.into_iter().map(step).collect()
 }
 
