@@ -33,9 +33,7 @@ pub fn findings(report: &Report, patch: &Patch) -> Vec<Finding> {
 fn place(diagnostic: &Diagnostic, tree: &Node, patch: &Patch) -> Option<Place> {
     let span = diagnostic.span?;
     match tree.key_path(span.start).as_slice() {
-        ["parameters", name, ..] => {
-            Some(Place { parameter: Some((*name).to_owned()), ..Place::default() })
-        }
+        ["parameters", name, ..] => Some(Place { parameter: Some((*name).to_owned()), ..Place::default() }),
         ["drives" | "elements", name] => {
             let jack = (diagnostic.code == Code::NO_DRIVER)
                 .then(|| open_jack(patch, name, &diagnostic.message))
@@ -65,9 +63,7 @@ fn place_in_entry(patch: &Patch, name: &str, keys: &[&str], span: Span) -> Place
     match keys {
         ["in", jack, ..] => jack_place(patch, place, jack, span),
         [key, ..] if is_jack(patch, name, kind, key) => jack_place(patch, place, key, span),
-        keys if is_setting(patch, name, kind, keys) => {
-            Place { setting: Some(keys.join(".")), ..place }
-        }
+        keys if is_setting(patch, name, kind, keys) => Place { setting: Some(keys.join(".")), ..place },
         _ => place,
     }
 }

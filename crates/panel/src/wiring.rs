@@ -44,15 +44,15 @@ pub(crate) fn is_in_section(patch: &Patch, name: &str) -> bool {
     if let Some(instance) = patch.instances.get(name) {
         return instance.parent.is_none();
     }
-    let is_member = || patch.instances.values().any(|instance| instance.members.iter().any(|one| one == name));
+    let is_member =
+        || patch.instances.values().any(|instance| instance.members.iter().any(|one| one == name));
     patch.elements.contains_key(name) && !is_member()
 }
 
 /// All outputs: references, drives, elements and instances, and at the end the elements inside instances at which a
 /// signal is read.
 pub(crate) fn outputs(patch: &Patch) -> Vec<Output> {
-    let alone =
-        |name: &str, is_inside| Output { name: name.to_owned(), element: name.to_owned(), is_inside };
+    let alone = |name: &str, is_inside| Output { name: name.to_owned(), element: name.to_owned(), is_inside };
     let sources = REFERENCES.iter().map(|(name, _)| *name).chain(patch.drives.keys().map(String::as_str));
     let mut outputs: Vec<_> = sources.map(|name| alone(name, false)).collect();
     for name in section_names(patch) {

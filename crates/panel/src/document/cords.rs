@@ -28,11 +28,7 @@ impl<'c> CordEnds<'c> {
 
     /// The jack at the panel.
     fn place(self) -> Place {
-        Place {
-            element: Some(self.element.to_owned()),
-            jack: Some(self.jack.to_owned()),
-            ..Place::default()
-        }
+        Place { element: Some(self.element.to_owned()), jack: Some(self.jack.to_owned()), ..Place::default() }
     }
 
     /// Whether a loose cord can have this end instead of the whole cord.
@@ -70,7 +66,10 @@ pub(super) fn move_cord(document: &Document, cord: CordEnds<'_>, to: &CordEnd) -
         CordEnd::Output { output } => (CordEnds { from: output, ..cord }, output.clone()),
     };
     let patch = rewired(document, Some(cord), Some(moved))?;
-    Ok(Edited::patch(patch, format!("move the cord from {} in {}.{} to {target}", cord.from, cord.element, cord.jack)))
+    Ok(Edited::patch(
+        patch,
+        format!("move the cord from {} in {}.{} to {target}", cord.from, cord.element, cord.jack),
+    ))
 }
 
 /// Puts a cord with a loose end on the panel. If it replaces a cord, that one is removed.
@@ -100,14 +99,17 @@ pub(super) fn put_loose(
 /// Plugs the loose end of a cord in.
 pub(super) fn plug_loose(document: &Document, id: u64, to: &CordEnd) -> Result<Edited, Refusal> {
     let (cord, others) = take_loose(document, id)?;
-    let (CordEnd::Input { element, jack }, CordEnd::Output { output })
-    | (CordEnd::Output { output }, CordEnd::Input { element, jack }) = (&cord.end, to)
-    else {
-        let message = "a cord goes from an output to an input: choose a jack of the other kind";
-        return Err(Refusal::new(message).at(end_place(to)));
+    let ends = match (&cord.end, to) {
+        (CordEnd::Input { element, jack }, CordEnd::Output { output })
+        | (CordEnd::Output { output }, CordEnd::Input { element, jack }) => {
+            CordEnds { element, jack, from: output }
+        }
+        _ => {
+            let message = "a cord goes from an output to an input: choose a jack of the other kind";
+            return Err(Refusal::new(message).at(end_place(to)));
+        }
     };
-    let edited = plug(document, CordEnds { element, jack, from: output })?;
-    Ok(Edited { loose: Some(others), ..edited })
+    Ok(Edited { loose: Some(others), ..plug(document, ends)? })
 }
 
 /// Removes a loose cord.

@@ -16,7 +16,8 @@ use crate::wiring;
 /// Adds an element or a drive, with the settings that it must have and without cords.
 pub(super) fn add(document: &Document, kind: &str, name: Option<&str>) -> Result<Edited, Refusal> {
     let patch = document.patch();
-    let found = [Family::Computing, Family::Drive].into_iter().find_map(|family| elements::find(family, kind));
+    let found =
+        [Family::Computing, Family::Drive].into_iter().find_map(|family| elements::find(family, kind));
     let kind = found.ok_or_else(|| {
         let known: Vec<_> = REGISTRY.iter().map(|kind| kind.name).collect();
         Refusal::new(format!("there is no kind {kind}: {}", suggestion(kind, &known).unwrap_or_default()))
@@ -40,7 +41,7 @@ pub(super) fn add(document: &Document, kind: &str, name: Option<&str>) -> Result
 /// Removes an element, a drive or an instance, with its cords.
 pub(super) fn remove(document: &Document, name: &str) -> Result<Edited, Refusal> {
     let patch = document.patch();
-    if !wiring::is_in_section(patch, name) && !patch.drives.contains_key(name) {
+    if !["elements", "drives"].into_iter().any(|section| is_written(patch, section, name)) {
         let mut known = wiring::section_names(patch);
         known.extend(patch.drives.keys().map(String::as_str));
         let hint = suggestion(name, &known).unwrap_or_default();
@@ -103,10 +104,14 @@ fn checked_name(patch: &Patch, name: &str) -> Result<String, Refusal> {
 
 /// Whether something in the document has a name, also if the entry has a fault.
 fn is_taken(patch: &Patch, name: &str) -> bool {
-    let is_written = |section: &str| patch.value().get(section).is_some_and(|entries| entries.get(name).is_some());
-    ["drives", "elements", "signals"].into_iter().any(is_written)
+    ["drives", "elements", "signals"].into_iter().any(|section| is_written(patch, section, name))
         || patch.elements.contains_key(name)
         || wiring::outputs(patch).iter().any(|output| output.name == name)
+}
+
+/// Whether a section of the document has an entry of this name.
+fn is_written(patch: &Patch, section: &str, name: &str) -> bool {
+    patch.value().get(section).is_some_and(|entries| entries.get(name).is_some())
 }
 
 /// The first free name that consists of a prefix and a number from 1.

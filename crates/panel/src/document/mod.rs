@@ -218,7 +218,8 @@ impl Document {
             self.patch = patch;
         }
         if let Some(loose) = loose {
-            self.next_loose = loose.iter().map(|cord| cord.id.saturating_add(1)).fold(self.next_loose, u64::max);
+            self.next_loose =
+                loose.iter().map(|cord| cord.id.saturating_add(1)).fold(self.next_loose, u64::max);
             self.loose = loose;
         }
         let change = self.change(&kind, Direction::Redo);

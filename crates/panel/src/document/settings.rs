@@ -4,8 +4,8 @@ use std::iter;
 
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{format_number, parameter_in_si, range_violation, suggestion, unit_suffix};
-use patchcord_core::elements::{Setting, SettingQuantity, Transfer};
-use patchcord_core::patch::{ElementEntry, Instance, Patch};
+use patchcord_core::elements::{Setting, SettingDefault, SettingQuantity, Transfer};
+use patchcord_core::patch::{ElementBuilder, ElementEntry, Instance, Patch};
 use patchcord_expr::Formula;
 use serde_json::Value;
 
@@ -89,17 +89,15 @@ pub(super) fn setting(
     value: &Value,
 ) -> Result<Edited, Refusal> {
     let patch = document.patch();
-    let place = Place {
-        element: Some(element.to_owned()),
-        setting: Some(setting.to_owned()),
-        ..Place::default()
-    };
+    let place =
+        Place { element: Some(element.to_owned()), setting: Some(setting.to_owned()), ..Place::default() };
     let refuse = |message: String| Refusal::new(message).at(place.clone());
     let owner = owner(patch, element)?;
     let value = checked_value(&owner, setting, value)
         .map_err(|fault| refuse(format!("{setting} of {element} {fault}")))?;
     let mut editor = patch.edit();
     match (&owner, value) {
+        (Owner::Drive(_), Value::Null) => editor.put_drive(element, drive_without(patch, element, setting)),
         (_, Value::Null) => editor.remove_setting(element, setting)?,
         (Owner::Element(_), value) => editor.set_setting(element, setting, value)?,
         (Owner::Drive(_), value) => editor.put(path("drives", element, setting), value),
@@ -112,6 +110,13 @@ pub(super) fn setting(
     };
     let kind = StepKind::Setting { element: element.to_owned(), setting: setting.to_owned() };
     Ok(Edited { kind, ..Edited::patch(patch, label) })
+}
+
+/// The entry of a drive in the document, without a setting.
+fn drive_without(patch: &Patch, drive: &str, setting: &str) -> ElementBuilder {
+    let mut entry = patch.value()["drives"][drive].as_object().cloned().unwrap_or_default();
+    entry.shift_remove(setting);
+    ElementBuilder::from_entry(entry)
 }
 
 /// The keys that lead to a setting in the document.
@@ -179,7 +184,6 @@ fn unknown_setting(name: &str, known: &[&str]) -> String {
 
 /// Null, if the element works without the setting.
 fn removable(row: &Setting) -> Result<Value, String> {
-    use patchcord_core::elements::SettingDefault;
     match row.default {
         SettingDefault::Required => Err("cannot be removed: set it to another value".to_owned()),
         SettingDefault::Number(_) | SettingDefault::Absent => Ok(Value::Null),
