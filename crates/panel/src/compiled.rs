@@ -11,8 +11,8 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 
 /// A patch that a machine can run.
-#[derive(Debug, Clone)]
-pub struct Compiled {
+#[derive(Debug)]
+pub(crate) struct Compiled {
     /// The circuit, with open inputs grounded.
     pub circuit: Circuit,
     /// Its program.
@@ -21,7 +21,7 @@ pub struct Compiled {
 
 /// What the checker reports about a patch, and the patch compiled. The latter is `None` if an error remains after open
 /// inputs are grounded.
-pub fn compile(patch: &Patch) -> (Report, Option<Compiled>) {
+pub(crate) fn compile(patch: &Patch) -> (Report, Option<Compiled>) {
     match compile_as_it_is(patch) {
         Ok((warnings, compiled)) => (warnings, Some(compiled)),
         Err(report) => {

@@ -3,13 +3,17 @@
 //! The clock advances only by [`Bench::advance`]. The machine follows it by the speed factor, as far as the host gives
 //! time to compute. Whatever it cannot compute in time is dropped, and the frame says by what factor it is slower.
 
-use patchcord_core::document::RunExtent;
+use std::sync::Arc;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
 use patchcord_core::solve::{LiveState, Machine, Phase, RunError, RunSettings};
 
 use super::live_machine::{Live, LiveMachine, live_machine};
 use crate::command::Mode;
 use crate::compiled::Compiled;
 use crate::scope::Scope;
+use crate::wiring::Output;
 
 /// Length of the run of a patch that gives none, in problem seconds.
 const DEFAULT_SWEEP: f64 = 10.0;
@@ -19,6 +23,17 @@ const DEFAULT_STEPS: f64 = 10_000.0;
 const STEPS_BETWEEN_QUESTIONS: u64 = 200;
 /// Largest change of a voltage between two points of an X-Y curve, in volts, if steps are long.
 const CURVE_VOLTS: f64 = 0.5;
+
+/// The outputs of a patch by their names at the panel, and the elements behind them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Probes(pub Vec<Output>);
+
+impl Probes {
+    /// The element behind an output.
+    pub(super) fn element(&self, output: &str) -> Option<&str> {
+        self.0.iter().find(|known| known.name == output).map(|known| known.element.as_str())
+    }
+}
 
 /// The controls of the machine that a user sets, apart from the patch.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,8 +60,12 @@ impl Default for Controls {
 pub(super) struct Bench {
     /// The controls.
     pub controls: Controls,
-    /// The compiled patch and its machine; `None` if no patch has compiled yet.
-    machine: Option<(Compiled, LiveMachine)>,
+    /// The machine; `None` if no patch has compiled yet.
+    machine: Option<LiveMachine>,
+    /// The phases of the patch's run; `None` if it gives no duration.
+    plan: Option<Vec<Phase>>,
+    /// Length of the longest repetition in the plan, in problem seconds.
+    plan_length: Option<f64>,
     /// Whether the present patch does not compile. The machine keeps its state and waits.
     pub is_blocked: bool,
     /// Why the machine stopped.
@@ -70,6 +89,8 @@ impl Bench {
         Bench {
             controls: Controls::default(),
             machine: None,
+            plan: None,
+            plan_length: None,
             is_blocked: true,
             stopped: None,
             ahead: 0.0,
@@ -80,11 +101,6 @@ impl Bench {
         }
     }
 
-    /// The compiled patch that the machine runs; `None` if there is none.
-    pub(super) fn compiled(&self) -> Option<&Compiled> {
-        self.machine.as_ref().map(|(compiled, _)| compiled)
-    }
-
     /// Whether the machine can move: there is one, its patch is the present one, and it did not stop.
     pub(super) fn is_ready(&self) -> bool {
         self.machine.is_some() && !self.is_blocked && self.stopped.is_none()
@@ -92,34 +108,21 @@ impl Bench {
 
     /// Takes another patch. With `None`, which stands for a patch that does not compile, the machine waits. Otherwise it
     /// continues with the states of the present one, unless `resets`.
-    pub(super) fn set_patch(&mut self, compiled: Option<Compiled>, resets: bool, scopes: &mut [Scope]) {
-        let Some(compiled) = compiled else {
+    pub(super) fn set_patch(&mut self, compiled: Option<&Compiled>, resets: bool, probes: &Probes, scopes: &mut [Scope]) {
+        let Some(Compiled { circuit, program }) = compiled else {
             self.is_blocked = true;
             return;
         };
         self.is_blocked = false;
-        let settings = run_settings(&compiled, self.controls.sweep);
-        let made = settings.and_then(|settings| live_machine(&compiled.program, &settings));
-        let mut live = match made {
-            Ok(live) => live,
-            Err(error) => {
-                (self.machine, self.stopped) = (None, Some(error.to_string()));
-                return;
-            }
-        };
+        self.plan = circuit.run_plan().all_phases();
+        self.plan_length = circuit.run_plan().longest_repetition();
         let old = self.machine.take().filter(|_| !resets && self.stopped.is_none());
         self.stopped = None;
-        let outcome = match old {
-            Some((_, mut old)) => live.with_dependent_mut(|_, new| {
-                old.with_dependent_mut(|_, old| new.run.continue_from(&mut old.run))
-            }),
-            None => Ok(()),
-        };
-        self.machine = Some((compiled, live));
-        if let Err(error) = outcome {
-            self.stopped = Some(error.to_string());
+        match continued(program, &run_settings(circuit, self.controls.sweep), old) {
+            Ok(machine) => self.machine = Some(machine),
+            Err(error) => self.stopped = Some(error.to_string()),
         }
-        self.watch(scopes);
+        self.watch(probes, scopes);
         if resets {
             self.begin_mode(scopes);
         }
@@ -127,15 +130,13 @@ impl Bench {
 
     /// Length of a sweep in problem seconds.
     pub(super) fn sweep(&self) -> f64 {
-        let plan = self.compiled().and_then(|compiled| compiled.circuit.run_plan().longest_repetition());
-        self.controls.sweep.or(plan).unwrap_or(DEFAULT_SWEEP)
+        self.controls.sweep.or(self.plan_length).unwrap_or(DEFAULT_SWEEP)
     }
 
     /// The phases of one sweep: those of the patch, unless the user has set another length.
     fn sweep_phases(&self) -> Vec<Phase> {
-        let plan = self.compiled().and_then(|compiled| compiled.circuit.run_plan().all_phases());
-        match (self.controls.sweep, plan) {
-            (None, Some(phases)) => phases,
+        match (self.controls.sweep, &self.plan) {
+            (None, Some(phases)) => phases.clone(),
             _ => vec![Phase::InitialCondition, Phase::operate(self.sweep())],
         }
     }
@@ -180,7 +181,7 @@ impl Bench {
 
     /// Calls a function on the machine, if there is one. An error stops the machine.
     fn with_live<T>(&mut self, action: impl FnOnce(&mut Live<'_>) -> Result<T, RunError>) -> Option<T> {
-        let (_, machine) = self.machine.as_mut()?;
+        let machine = self.machine.as_mut()?;
         match machine.with_dependent_mut(|_, live| action(live)) {
             Ok(value) => Some(value),
             Err(error) => {
@@ -192,13 +193,7 @@ impl Bench {
 
     /// Reads the machine at the present instant.
     pub(super) fn read<T>(&mut self, reading: impl FnOnce(&Machine<'_>) -> T) -> Option<T> {
-        let is_stopped = self.stopped.is_some();
-        let value = self.with_live(|live| live.run.machine().map(reading));
-        // Reading a machine that has stopped changes nothing.
-        if is_stopped && value.is_none() {
-            return None;
-        }
-        value
+        self.with_live(|live| live.run.machine().map(reading))
     }
 
     /// The recorder's clock in seconds.
@@ -216,7 +211,7 @@ impl Bench {
     /// # Errors
     /// The message if the machine refuses it. Nothing is changed then.
     pub(super) fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), String> {
-        let Some((_, machine)) = &mut self.machine else { return Ok(()) };
+        let Some(machine) = &mut self.machine else { return Ok(()) };
         machine.with_dependent_mut(|_, live| {
             live.run.set_parameters([(name, value)]).map_err(|error| error.to_string())?;
             live.note_change().map_err(|error| error.to_string())
@@ -235,36 +230,49 @@ impl Bench {
             return Err(format!("the machine can be moved back to {oldest} ... {clock} s of its run, not to {time} s"));
         };
         (self.stopped, self.controls.mode) = (None, Mode::Hold);
-        self.with_live(|live| {
+        let watched = &self.watched;
+        let Some(machine) = &mut self.machine else { return Ok(()) };
+        let outcome = machine.with_dependent_mut(|_, live| {
             play_up_to(live, goal)?;
-            live.run.points().clear();
             live.run.set_parameters(parameters.iter().map(|(name, value)| (name, *value)))?;
+            // The scopes go back to the present point.
+            if let Some((time, volts)) = live.run.points().iter().last() {
+                pass_point(time, volts, watched, scopes);
+            }
+            live.run.points().clear();
             live.note_change()
         });
-        let clock = self.clock();
-        (self.ahead, self.last_point) = (0.0, clock);
-        scopes.iter_mut().for_each(|scope| scope.move_back(clock));
+        if let Err(error) = outcome {
+            self.stopped = Some(error.to_string());
+        }
+        (self.ahead, self.last_point) = (0.0, self.clock());
         Ok(())
     }
 
     /// Connects the probes of the scopes.
-    pub(super) fn watch(&mut self, scopes: &[Scope]) {
-        let probes = scopes.iter().flat_map(|scope| scope.controls().channels.iter());
-        self.watched = probes.map(|channel| channel.output.clone()).collect();
+    pub(super) fn watch(&mut self, probes: &Probes, scopes: &[Scope]) {
+        let channels = scopes.iter().flat_map(|scope| scope.controls().channels.iter());
+        let element = |output: &Option<String>| probes.element(output.as_deref()?).map(str::to_owned);
+        self.watched = channels.map(|channel| element(&channel.output)).collect();
         let resolution = scopes.iter().map(Scope::resolution).fold(f64::INFINITY, f64::min);
         let needs_curve = scopes.iter().any(Scope::needs_curve);
-        let Some((compiled, _)) = &self.machine else { return };
-        let outputs = compiled.program.element_outputs();
+        let largest = if needs_curve { CURVE_VOLTS } else { f64::INFINITY };
+        let Some(machine) = &mut self.machine else { return };
+        let outputs = machine.borrow_owner().element_outputs();
         let is_there = |name: &String| outputs.iter().any(|output| output.name == *name);
         self.watched.iter_mut().for_each(|name| *name = name.take().filter(is_there));
         let names: Vec<String> = self.watched.iter().flatten().cloned().collect();
-        let largest = if needs_curve { CURVE_VOLTS } else { f64::INFINITY };
         self.with_live(|live| live.run.watch(&names, resolution, largest));
     }
 
     /// Whether the mode lets problem time advance.
     fn moves(&self) -> bool {
         matches!(self.controls.mode, Mode::Operate | Mode::Repetitive | Mode::Single)
+    }
+
+    /// Whether problem time advances with the clock.
+    pub(super) fn is_moving(&self) -> bool {
+        self.moves() && !self.controls.paused && self.is_ready()
     }
 
     /// Problem seconds in a number of seconds of the clock; infinity for as many as possible.
@@ -279,7 +287,7 @@ impl Bench {
     /// Advances the clock by seconds. `must_stop` says whether the host has no more time.
     pub(super) fn advance(&mut self, seconds: f64, scopes: &mut [Scope], must_stop: &mut dyn FnMut() -> bool) {
         self.factor = 1.0;
-        if !self.moves() || self.controls.paused || !self.is_ready() {
+        if !self.is_moving() {
             return;
         }
         let asked = self.problem_seconds(seconds);
@@ -357,7 +365,7 @@ impl Bench {
         let (moves, sweep, mut last) = (self.moves(), self.sweep(), self.last_point);
         let keeps_checkpoints = moves && self.controls.mode != Mode::Repetitive;
         let watched = &self.watched;
-        let Some((_, machine)) = &mut self.machine else { return };
+        let Some(machine) = &mut self.machine else { return };
         let outcome = machine.with_dependent_mut(|_, live| {
             for (time, volts) in live.run.points().iter().filter(|_| moves) {
                 if time < last {
@@ -408,29 +416,41 @@ fn play_up_to(live: &mut Live<'_>, clock: f64) -> Result<(), RunError> {
     }
 }
 
-/// The settings of a live run of a patch. A patch without times gets usual ones, so that it can be tried while it is
-/// built.
+/// A machine in initial condition, or one that continues the run of another machine.
 ///
 /// # Errors
-/// If the times of the patch are not valid.
-fn run_settings(compiled: &Compiled, sweep: Option<f64>) -> Result<RunSettings, RunError> {
-    let circuit = &compiled.circuit;
+/// If the times of the patch are not valid, or the voltages cannot be evaluated.
+fn continued(
+    program: &Arc<Program>,
+    settings: &RunSettings,
+    old: Option<LiveMachine>,
+) -> Result<LiveMachine, RunError> {
+    let mut machine = live_machine(program, settings)?;
+    if let Some(mut old) = old {
+        machine.with_dependent_mut(|_, new| {
+            old.with_dependent_mut(|_, old| new.run.continue_from(&mut old.run))
+        })?;
+    }
+    Ok(machine)
+}
+
+/// The settings of a live run of a patch. A patch without times gets usual ones, so that it can be tried while it is
+/// built.
+fn run_settings(circuit: &Circuit, sweep: Option<f64>) -> RunSettings {
     let plan = circuit.run_plan();
-    let settings = match RunSettings::of(circuit) {
-        Ok(settings) => settings,
-        Err(_) => {
-            let phases = plan.all_phases();
-            let phases = phases.unwrap_or_else(|| vec![Phase::InitialCondition, Phase::operate(DEFAULT_SWEEP)]);
-            let duration = RunExtent::of(&phases).longest_repetition;
-            let step = plan.step.as_ref().map_or(duration / DEFAULT_STEPS, |step| step.value);
-            RunSettings::from_phases(phases, step)
-        }
+    let usual = || {
+        let phases = plan.all_phases();
+        let phases = phases.unwrap_or_else(|| vec![Phase::InitialCondition, Phase::operate(DEFAULT_SWEEP)]);
+        let settings = RunSettings::from_phases(phases, 1.0);
+        let step = plan.step.as_ref().map_or(settings.duration() / DEFAULT_STEPS, |step| step.value);
+        settings.with_step(step)
     };
+    let settings = RunSettings::of(circuit).unwrap_or_else(|_| usual());
     let settings = match sweep {
         Some(sweep) => settings.with_duration(sweep),
         None => settings,
     };
     let nothing: [String; 0] = [];
     let every = settings.duration();
-    Ok(settings.with_signals(nothing.clone()).with_sensitivities(nothing).with_sample_interval(every))
+    settings.with_signals(nothing.clone()).with_sensitivities(nothing).with_sample_interval(every)
 }

@@ -10,7 +10,7 @@ use patchcord_core::solve::{RunSettings, run};
 use patchcord_draw::schematic::Schematic;
 use serde_json::{Value, json};
 
-use self::bench::Bench;
+use self::bench::{Bench, Probes};
 use crate::command::{Command, Mode, PROTOCOL_VERSION, Request};
 use crate::compiled::{Compiled, compile};
 use crate::document::{Change, Document, Refusal};
@@ -19,6 +19,7 @@ use crate::frame::{self, FrameHeader};
 use crate::places;
 use crate::scope::{SCOPES, Scope, ScopeControls};
 use crate::view;
+use crate::wiring;
 
 /// Voltage at the top of a pot in pot set, in volts.
 const POT_SET_VOLTS: f64 = 100.0;
@@ -59,6 +60,12 @@ pub struct Session {
     document: Document,
     /// What the checker reports about the patch.
     report: Report,
+    /// The patch compiled; `None` if it has faults other than open inputs.
+    compiled: Option<Compiled>,
+    /// The outputs, in the order of the voltages of a frame.
+    probes: Probes,
+    /// What happened to parameters since the patch was compiled.
+    turning: Turning,
     /// The machine.
     bench: Bench,
     /// The scopes.
@@ -71,6 +78,17 @@ pub struct Session {
     shows: Shown,
     /// The overloads and the mode that the client knows.
     known: Option<MachineState>,
+}
+
+/// What happened to the parameters since the patch was compiled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Turning {
+    /// Nothing.
+    No,
+    /// A parameter was set since the clock advanced last.
+    Now,
+    /// A parameter was set, but not since then. The patch has to be compiled again.
+    Done,
 }
 
 /// The views that the page shows.
@@ -91,6 +109,9 @@ impl Session {
             options,
             document,
             report,
+            compiled: None,
+            probes: Probes::default(),
+            turning: Turning::No,
             bench: Bench::new(),
             scopes: (0..SCOPES).map(|_| Scope::new()).collect(),
             meter: None,
@@ -184,6 +205,7 @@ impl Session {
             }
             Command::Advance { seconds } => {
                 within("the time to advance", Some(*seconds), 0.0, 1.0)?;
+                self.finish_turning(events);
                 self.bench.advance(*seconds, &mut self.scopes, must_stop);
             }
             Command::Undo => {
@@ -196,7 +218,7 @@ impl Session {
             }
             Command::Scope { scope, controls } => {
                 self.scope(*scope)?.set_controls(controls.clone()).map_err(refusal)?;
-                self.bench.watch(&self.scopes);
+                self.bench.watch(&self.probes, &self.scopes);
                 events.push(self.scopes_event());
             }
             Command::Erase { scope } => self.scope(*scope)?.erase(),
@@ -221,15 +243,35 @@ impl Session {
             }
             Command::Run => events.push(self.run_event()?),
             edit => {
+                let before = self.value_to_restore(edit);
                 let change = self.document.apply(edit)?;
                 if let Err(refusal) = self.follow(change, events) {
                     // The machine refuses the value, so the document must not have it either.
-                    self.document.take_back();
+                    before.map(|command| self.document.apply(&command)).transpose()?;
                     return Err(refusal);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The command that sets a parameter to its present value again, if the command sets one.
+    fn value_to_restore(&self, edit: &Command) -> Option<Command> {
+        let Command::Parameter { name, .. } = edit else { return None };
+        let value = self.document.patch().parameters.get(name)?.value;
+        Some(Command::Parameter { name: name.clone(), value })
+    }
+
+    /// Compiles the patch again after parameters were turned, for the views. The machine has the values already.
+    fn finish_turning(&mut self, events: &mut Vec<Event>) {
+        match self.turning {
+            Turning::No => {}
+            Turning::Now => self.turning = Turning::Done,
+            Turning::Done => {
+                self.compile();
+                events.extend(self.patch_events());
+            }
+        }
     }
 
     /// Replaces the patch and its history.
@@ -251,7 +293,8 @@ impl Session {
         match change {
             Change::Parameter { name, value } => {
                 self.bench.set_parameter(&name, value).map_err(refusal)?;
-                events.push(self.patch_event());
+                self.turning = Turning::Now;
+                events.push(Event::Parameter { name, value });
             }
             Change::Patch => {
                 self.use_patch(false);
@@ -268,9 +311,16 @@ impl Session {
 
     /// Compiles the present patch for the machine. Without `resets` the machine continues with its states.
     fn use_patch(&mut self, resets: bool) {
-        let (report, compiled) = compile(self.document.patch());
-        self.report = report;
-        self.bench.set_patch(compiled, resets, &mut self.scopes);
+        self.compile();
+        self.bench.set_patch(self.compiled.as_ref(), resets, &self.probes, &mut self.scopes);
+    }
+
+    /// Compiles the present patch.
+    fn compile(&mut self) {
+        let patch = self.document.patch();
+        (self.report, self.compiled) = compile(patch);
+        self.probes = Probes(wiring::outputs(patch));
+        self.turning = Turning::No;
     }
 
     /// Selects a mode. It becomes a step of the history if `is_step`.
@@ -303,13 +353,13 @@ impl Session {
     /// Puts the probes at the first signals of a patch: the first two at scope 1, and as an X-Y curve at scope 2 what the
     /// patch draws so.
     fn connect_usual_probes(&mut self) {
-        let probes = view::usual_probes(self.document.patch());
-        for (scope, controls) in self.scopes.iter_mut().zip(probes) {
+        let usual = view::usual_scopes(self.document.patch());
+        for (scope, controls) in self.scopes.iter_mut().zip(usual) {
             *scope = Scope::new();
             // Controls that name outputs of the patch are valid.
             let _ = scope.set_controls(controls);
         }
-        self.bench.watch(&self.scopes);
+        self.bench.watch(&self.probes, &self.scopes);
     }
 
     /// The scope of this number.
@@ -327,9 +377,10 @@ impl Session {
     /// If it does not.
     fn check_output(&self, output: Option<&str>) -> Result<(), Refusal> {
         let Some(output) = output else { return Ok(()) };
-        let known = self.bench.compiled().map(|compiled| compiled.program.element_outputs());
-        let is_known = known.is_some_and(|known| known.iter().any(|element| element.name == output));
-        if is_known { Ok(()) } else { Err(refusal(format!("there is no output {output}"))) }
+        match self.probes.element(output) {
+            Some(_) => Ok(()),
+            None => Err(refusal(format!("there is no output {output}"))),
+        }
     }
 
     /// The folder of the patch.
@@ -345,7 +396,7 @@ impl Session {
 
     /// The event about the patch.
     fn patch_event(&self) -> Event {
-        let compiled = self.bench.compiled().filter(|_| !self.bench.is_blocked);
+        let compiled = self.compiled.as_ref();
         let (circuit, program) = compiled.map(|Compiled { circuit, program }| (circuit, &**program)).unzip();
         Event::Patch(Box::new(view::patch_view(&self.document, circuit, program)))
     }
@@ -365,7 +416,7 @@ impl Session {
 
     /// The event with the schematic.
     fn schematic_event(&self) -> Event {
-        let Some(compiled) = self.bench.compiled().filter(|_| !self.bench.is_blocked) else {
+        let Some(compiled) = &self.compiled else {
             let message = Some("the schematic is drawn again when the patch has no faults".to_owned());
             return Event::Schematic { drawing: None, message };
         };
@@ -377,7 +428,7 @@ impl Session {
 
     /// The event with the equations.
     fn equations_event(&self) -> Option<Event> {
-        let compiled = self.bench.compiled().filter(|_| !self.bench.is_blocked)?;
+        let compiled = self.compiled.as_ref()?;
         Some(Event::Equations(view::equations(&compiled.circuit, &compiled.program)))
     }
 
@@ -391,7 +442,7 @@ impl Session {
     /// # Errors
     /// If the patch cannot run.
     fn run_event(&self) -> Result<Event, Refusal> {
-        let compiled = self.bench.compiled().filter(|_| !self.bench.is_blocked);
+        let compiled = compile(self.document.patch()).1;
         let compiled = compiled.ok_or_else(|| refusal("the patch has faults; correct them first".to_owned()))?;
         let settings = RunSettings::of(&compiled.circuit).map_err(|error| refusal(error.to_string()))?;
         let trace = run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
@@ -467,51 +518,48 @@ impl Session {
         }
     }
 
-    /// The voltages of all outputs, in the order of the program; in pot set those at the wipers with the reference at the
-    /// top of every pot.
+    /// The voltages of all outputs; in pot set those at the wipers with the reference at the top of every pot. A voltage
+    /// that the machine does not have is not a number.
     fn voltages(&mut self) -> Vec<f64> {
-        let Some(compiled) = self.bench.compiled().cloned() else { return Vec::new() };
-        let outputs = compiled.program.element_outputs();
+        let outputs = &self.probes.0;
         if self.bench.controls.mode == Mode::PotSet {
-            let share = |name: &str| view::pot_setting(&compiled.circuit, name).unwrap_or(0.0);
-            return outputs.iter().map(|output| POT_SET_VOLTS * share(&output.name)).collect();
+            let circuit = self.compiled.as_ref().map(|compiled| &compiled.circuit);
+            let share = |name: &str| view::pot_setting(circuit?, name);
+            let volts = outputs.iter().map(|output| POT_SET_VOLTS * share(&output.element).unwrap_or(0.0));
+            return volts.collect();
         }
-        let volts = self.bench.read(|machine| {
-            outputs.iter().map(|output| machine.voltage(&output.name).unwrap_or(f64::NAN)).collect()
+        let read = self.bench.read(|machine| {
+            outputs.iter().map(|output| machine.voltage(&output.element).unwrap_or(f64::NAN)).collect()
         });
-        volts.unwrap_or_else(|| vec![f64::NAN; outputs.len()])
+        read.unwrap_or_else(|| vec![f64::NAN; outputs.len()])
     }
 
     /// The present frame.
     fn frame(&mut self) -> Vec<u8> {
         let volts = self.voltages();
-        let names: Vec<String> = match self.bench.compiled() {
-            Some(compiled) => compiled.program.element_outputs().iter().map(|output| output.name.clone()).collect(),
-            None => Vec::new(),
-        };
-        let index_of = |name: &str| names.iter().position(|known| known == name);
         let overloads = self.bench.read(|machine| machine.overloads()).unwrap_or_default();
-        let mut lamps = vec![false; names.len()];
-        let lit: Vec<usize> = overloads.iter().filter_map(|overload| index_of(&overload.element)).collect();
-        lit.iter().for_each(|index| lamps[*index] = true);
-        let at = |name: &str| index_of(name).map(|index| volts[index]);
-        let controls = &self.bench.controls;
+        let outputs = &self.probes.0;
+        let is_lit = |element: &str| overloads.iter().any(|overload| overload.element == element);
+        let lamps: Vec<bool> = outputs.iter().map(|output| is_lit(&output.element)).collect();
+        let first_lamp = overloads.first().and_then(|overload| {
+            outputs.iter().position(|output| output.element == overload.element)
+        });
+        let at = |name: &str| outputs.iter().position(|output| output.name == name).map(|index| volts[index]);
+        let null = |(name, divider): &(String, f64)| Some(at(name)? - POT_SET_VOLTS * divider);
+        let (meter, null_meter) = (self.meter.as_deref().and_then(at), self.null_meter.as_ref().and_then(null));
         let header = FrameHeader {
             revision: self.document.revision() as u32,
-            time: 0.0,
+            time: self.bench.clock(),
             factor: self.bench.factor,
-            mode: controls.mode as u8,
-            moves: matches!(controls.mode, Mode::Operate | Mode::Repetitive | Mode::Single)
-                && !controls.paused
-                && self.bench.is_ready(),
-            paused: controls.paused,
+            mode: self.bench.controls.mode as u8,
+            moves: self.bench.is_moving(),
+            paused: self.bench.controls.paused,
             stopped: self.bench.stopped.is_some(),
-            first_lamp: lit.first().copied(),
+            first_lamp,
             repetitions: self.bench.repetitions,
-            meter: self.meter.as_deref().and_then(at),
-            null_meter: self.null_meter.as_ref().and_then(|(name, divider)| Some(at(name)? - POT_SET_VOLTS * divider)),
+            meter,
+            null_meter,
         };
-        let header = FrameHeader { time: self.bench.clock(), ..header };
         frame::encode(&header, &volts, &lamps, &mut self.scopes)
     }
 }

@@ -2,6 +2,7 @@
 
 mod equations;
 mod jacks;
+mod probes;
 mod quantities;
 mod settings;
 
@@ -10,6 +11,7 @@ use patchcord_core::elements::{Family, Kind, OutputStage, REGISTRY};
 use patchcord_core::ir::Program;
 use patchcord_core::machines::{self, DEFAULT_MACHINE, MachineModel, Part};
 use patchcord_core::patch::{ElementEntry, Instance, Patch};
+use patchcord_draw::schematic::{SettingValue, settings_of_element};
 
 use crate::command::PROTOCOL_VERSION;
 use crate::document::{Document, prefix};
@@ -18,6 +20,7 @@ use crate::event::{
 };
 use crate::wiring;
 pub use equations::equations;
+pub use probes::usual_scopes;
 use settings::SettingViewer;
 
 /// The first event of a session.
@@ -151,6 +154,20 @@ fn instance_view(viewer: &SettingViewer<'_>, name: &str, instance: &Instance) ->
         settings: viewer.of_instance(name, instance),
         lamp: members.iter().any(|entry| has_lamp(entry)),
         parts: part_names(members),
+    }
+}
+
+/// The setting of a potentiometer, from 0 to 1. `None` for every other element.
+pub fn pot_setting(circuit: &Circuit, name: &str) -> Option<f64> {
+    let element = circuit.elements().into_iter().find(|element| element.name == name)?;
+    if !matches!(element.kind.name, "pot" | "free-pot") {
+        return None;
+    }
+    let settings = settings_of_element(circuit, element);
+    let setting = settings.iter().find(|setting| setting.name == "setting")?;
+    match setting.value {
+        SettingValue::Number(number) => Some(number),
+        _ => None,
     }
 }
 
