@@ -27,7 +27,8 @@ use crate::elements::SettingQuantity;
 /// Edits a patch: its fields immediately, and its document when the text is read.
 ///
 /// Methods named `set_` change a part that exists. Methods named `put_` add a part or replace the part with the same
-/// name. Methods named `remove_` remove a part with everything that needs it. A fault in a new value is not an error here; [`Circuit::new`](crate::circuit::Circuit::new) reports it.
+/// name. Methods named `remove_` remove a part with everything that names it. A fault in a new value is not an error
+/// here; [`Circuit::new`](crate::circuit::Circuit::new) reports it.
 ///
 /// # Examples
 ///
