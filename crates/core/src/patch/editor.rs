@@ -63,7 +63,8 @@ pub struct PatchEditor {
 impl PatchEditor {
     /// The patch with the edits so far.
     ///
-    /// New elements and changed cords are in [`Patch::elements`] only after [`PatchEditor::finish`].
+    /// New elements and changed cords are in [`Patch::elements`] only after [`PatchEditor::finish`], or after the removal of
+    /// a cord, a setting or an element.
     pub fn patch(&self) -> &Patch {
         &self.patch
     }
