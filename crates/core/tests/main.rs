@@ -16,6 +16,7 @@ mod elements;
 mod known_problems;
 mod laws;
 mod limit;
+mod live;
 mod loop_fuzz;
 mod loops;
 mod macros;

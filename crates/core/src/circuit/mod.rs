@@ -36,6 +36,7 @@ use patchcord_expr::{Formula, Unit};
 
 pub use element::{Cord, Element, EvaluationStep, SignalPoint};
 pub use equations::EquationScope;
+pub use inventory::part_count;
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
 pub use settings::{RangeCheck, RangeFault};
