@@ -23,6 +23,7 @@ mod macros;
 mod order;
 mod problems;
 mod relay;
+mod removals;
 mod reset;
 mod scipy;
 mod sensitivity;

@@ -51,7 +51,9 @@ pub(crate) fn open_inputs(entry: &ElementEntry) -> Vec<OpenInput<'_>> {
     let input_of = |jack: &Placed<String>| entry.kind.input(&jack.value).map(|(input, _)| input);
     let plugged: Option<Vec<_>> = entry.plugs.iter().map(|plug| input_of(&plug.jack)).collect();
     let empty: Option<Vec<_>> = entry.empty_jacks.iter().map(input_of).collect();
-    let (Some(plugged), Some(empty), false) = (plugged, empty, entry.is_incomplete) else { return Vec::new() };
+    let (Some(plugged), Some(empty), false) = (plugged, empty, entry.is_incomplete) else {
+        return Vec::new();
+    };
     let open_input = |(input, row): (usize, &Input)| {
         let least = if let Jacks::Exactly(count) = row.jacks { count } else { 1 };
         let count = plugged.iter().filter(|other| **other == input).count();

@@ -98,9 +98,10 @@ mod tests {
                 entries.iter_mut().for_each(|entry| prune(&mut entry.value, words));
             }
             Content::List(items) => {
-                let is_word =
-                    |item: &Node| matches!(&item.value, Content::Text(text) if words.contains(&text.as_str()));
-                items.retain(|item| !is_word(item));
+                items.retain(|item| match &item.value {
+                    Content::Text(text) => !words.contains(&text.as_str()),
+                    _ => true,
+                });
                 items.iter_mut().for_each(|item| prune(item, words));
             }
             _ => {}

@@ -27,7 +27,8 @@ use crate::elements::SettingQuantity;
 /// Edits a patch: its fields immediately, and its document when the text is read.
 ///
 /// Methods named `set_` change a part that exists. Methods named `put_` add a part or replace the part with the same
-/// name. Methods named `remove_` remove a part with everything that needs it. A fault in a new value is not an error here; [`Circuit::new`](crate::circuit::Circuit::new) reports it.
+/// name. Methods named `remove_` remove a part with everything that names it. A fault in a new value is not an error
+/// here; [`Circuit::new`](crate::circuit::Circuit::new) reports it.
 ///
 /// # Examples
 ///
@@ -62,7 +63,8 @@ pub struct PatchEditor {
 impl PatchEditor {
     /// The patch with the edits so far.
     ///
-    /// New elements and changed cords are in [`Patch::elements`] only after [`PatchEditor::finish`].
+    /// New elements and changed cords are in [`Patch::elements`] only after [`PatchEditor::finish`], or after the removal of
+    /// a cord, a setting or an element.
     pub fn patch(&self) -> &Patch {
         &self.patch
     }

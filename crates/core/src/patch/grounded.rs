@@ -63,7 +63,8 @@ fn ground_cords(patch: &Patch) -> Vec<DocumentEdit> {
         for (name, entry) in section {
             let element: Vec<_> =
                 section_path.iter().copied().chain([name.as_str()]).map(str::to_owned).collect();
-            let cord = |jack| DocumentEdit::AddCord { element: element.clone(), jack, from: GROUND.to_owned() };
+            let cord =
+                |jack| DocumentEdit::AddCord { element: element.clone(), jack, from: GROUND.to_owned() };
             cords.extend(open_jacks(patch, entry).into_iter().map(cord));
         }
     }

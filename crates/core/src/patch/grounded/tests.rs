@@ -57,10 +57,7 @@ fn every_missing_cord_of_an_input_with_two_poles_is_grounded() {
             r#""L": {"kind": "diode-lower-of", "in": ["+100"]}"#,
             r#"{"L":{"kind":"diode-lower-of","in":["+100","ground"]}}"#,
         ),
-        (
-            r#""P": {"kind": "pot", "setting": 0.5}"#,
-            r#"{"P":{"kind":"pot","setting":0.5,"in":["ground"]}}"#,
-        ),
+        (r#""P": {"kind": "pot", "setting": 0.5}"#, r#"{"P":{"kind":"pot","setting":0.5,"in":["ground"]}}"#),
     ];
     for (element, expected) in cases {
         assert_eq!(grounded(&format!("\"elements\": {{{element}}}")), expected);
@@ -73,7 +70,8 @@ const MACRO: &str = r#""macros": {"half": {"inputs": {"in": "voltage"}, "outputs
 
 #[test]
 fn open_ports_and_open_inputs_inside_macros_are_grounded() {
-    let sections = format!(r#"{MACRO}, "elements": {{"H": {{"kind": "half"}}, "G": {{"kind": "half", "in": "H"}}}}"#);
+    let sections =
+        format!(r#"{MACRO}, "elements": {{"H": {{"kind": "half"}}, "G": {{"kind": "half", "in": "H"}}}}"#);
     let expected = r#"{"H":{"kind":"half","in":["ground"]},"G":{"kind":"half","in":"H"}}"#;
     assert_eq!(grounded(&sections), expected);
     let copy = patch_with(&sections).with_grounded_inputs().unwrap();
@@ -83,7 +81,8 @@ fn open_ports_and_open_inputs_inside_macros_are_grounded() {
 
 #[test]
 fn a_patch_without_open_inputs_has_no_grounded_copy() {
-    let without_instance = format!(r#"{MACRO}, "elements": {{"A": {{"kind": "summer", "in": {{"x1": ["+100"]}}}}}}"#);
+    let without_instance =
+        format!(r#"{MACRO}, "elements": {{"A": {{"kind": "summer", "in": {{"x1": ["+100"]}}}}}}"#);
     let sections = [
         without_instance.as_str(),
         r#""elements": {"A": {"kind": "integrator", "in": {"x1": ["A"]}}}"#,

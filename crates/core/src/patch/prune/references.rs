@@ -61,6 +61,7 @@ impl RemovedOutputs<'_> {
 
 /// The names that mean nothing after the removal.
 struct RemovedNames<'n> {
+    /// The outputs that are removed.
     outputs: RemovedOutputs<'n>,
     /// The signals at the outputs.
     signals: HashSet<String>,

@@ -96,7 +96,8 @@ fn a_removed_cord_is_cut_out_of_the_text() {
 #[test]
 fn a_cord_that_is_added_and_removed_again_leaves_the_value_as_it_was() {
     let patch = Patch::parse("p.json", TEXT).unwrap();
-    let cords = [("A1", "x100", "u"), ("A1", "x1", "u"), ("A1", "x10", "L"), ("L", "in", "u"), ("B", "in", "u")];
+    let cords =
+        [("A1", "x100", "u"), ("A1", "x1", "u"), ("A1", "x10", "L"), ("L", "in", "u"), ("B", "in", "u")];
     for (element, jack, from) in cords {
         let mut editor = patch.edit();
         editor.add_cord(element, jack, from).unwrap();
@@ -148,7 +149,10 @@ fn a_removed_setting_is_cut_out_with_its_empty_group() {
 fn a_removed_relay_leaves_phases_that_last_for_their_whole_time() {
     let actual = edited(TEXT, |editor| editor.remove_element("K"));
     let expected = text_with(&[
-        ("    \"K\":  {\"kind\": \"relay\", \"in\": \"L\", \"on\": \"u\", \"off\": \"ground\", \"pull_in\": 60, \"drop_out\": -60},\n", ""),
+        (
+            "    \"K\":  {\"kind\": \"relay\", \"in\": \"L\", \"on\": \"u\", \"off\": \"ground\", \"pull_in\": 60, \"drop_out\": -60},\n",
+            "",
+        ),
         (r#", "in": {"x1": ["K"]}"#, ""),
         (r#", "until": {"relay": "K", "becomes": "pulled-in"}"#, ""),
         (r#", "until": "K""#, ""),
@@ -174,7 +178,10 @@ fn a_removed_instance_takes_the_names_of_its_ports_and_elements_with_it() {
 fn a_removed_signal_takes_its_equations_pictures_and_changes_of_parameters_with_it() {
     let actual = edited(TEXT, |editor| editor.remove_element("A1"));
     let expected = text_with(&[
-        ("    \"A1\": {\"kind\": \"integrator\", \"in\": {\"x1\": [\"P1\", \"u\", \"P1\"], \"x10\": \"B.minus\"}, \"initial\": 5},\n", ""),
+        (
+            "    \"A1\": {\"kind\": \"integrator\", \"in\": {\"x1\": [\"P1\", \"u\", \"P1\"], \"x10\": \"B.minus\"}, \"initial\": 5},\n",
+            "",
+        ),
         (r#""in": "A1", "top""#, r#""top""#),
         (r#"["A1", "P1"]"#, r#"["P1"]"#),
         ("    \"x\": {\"at\": \"A1\", \"scale\": \"volt\"},\n", ""),
@@ -189,7 +196,10 @@ fn a_removed_signal_takes_its_equations_pictures_and_changes_of_parameters_with_
     let actual = edited(TEXT, |editor| editor.remove_element("P1"));
     assert!(actual.contains("\"equations\": [\n    \"b = u\"\n  ]"), "{actual}");
     assert!(actual.contains("\"pictures\": [\n    {\"x\": \"t\", \"y\": [\"x\"]}\n  ]"), "{actual}");
-    assert!(actual.contains(r#""A1": {"kind": "integrator", "in": {"x1": ["u"], "x10": "B.minus"}"#), "{actual}");
+    assert!(
+        actual.contains(r#""A1": {"kind": "integrator", "in": {"x1": ["u"], "x10": "B.minus"}"#),
+        "{actual}"
+    );
 }
 
 #[test]
@@ -201,7 +211,8 @@ fn a_removed_drive_is_unplugged_inside_macros_too() {
     ]);
     assert_eq!(actual, expected);
     // The input u of this macro is not the drive.
-    let other_input = text_with(&[(r#"{"in": "voltage"}"#, r#"{"in": "", "z": ""}"#), ("\"in\", \"w\"", "\"in\", \"z\"")]);
+    let other_input =
+        text_with(&[(r#"{"in": "voltage"}"#, r#"{"in": "", "z": ""}"#), ("\"in\", \"w\"", "\"in\", \"z\"")]);
     let other_input = other_input.replace("\"z\"", "\"u\"");
     let actual = edited(&other_input, |editor| editor.remove_element("u"));
     assert!(actual.contains(r#""S": {"kind": "summer", "in": {"x1": ["in", "u"]}"#), "{actual}");
@@ -234,8 +245,10 @@ fn an_element_that_could_not_be_read_can_be_removed() {
 fn all_cords_can_be_removed_while_elements_settings_and_signals_stay() {
     let actual = edited(TEXT, |editor| {
         editor.remove_all_cords();
-        assert_eq!(editor.remove_cord("L", "in", "A1").unwrap_err().to_string(),
-            "there is no cord from A1 into in of L in the patch");
+        assert_eq!(
+            editor.remove_cord("L", "in", "A1").unwrap_err().to_string(),
+            "there is no cord from A1 into in of L in the patch"
+        );
         Ok(())
     });
     let expected = text_with(&[
@@ -261,9 +274,15 @@ fn edits_before_and_after_a_removal_are_rendered_in_their_order() {
         editor.set_title("shorter");
         Ok(())
     });
-    assert!(actual.contains(r#""S1": {"kind": "summer", "in": {"x1": ["L"]}, "limit": {"upper": 20}}"#), "{actual}");
+    assert!(
+        actual.contains(r#""S1": {"kind": "summer", "in": {"x1": ["L"]}, "limit": {"upper": 20}}"#),
+        "{actual}"
+    );
     assert!(actual.contains(r#""k": {"value": 3.0, "#), "{actual}");
-    assert!(actual.contains(r#""time_scale": 100.0,"#) && actual.contains(r#""title": "shorter""#), "{actual}");
+    assert!(
+        actual.contains(r#""time_scale": 100.0,"#) && actual.contains(r#""title": "shorter""#),
+        "{actual}"
+    );
 }
 
 #[test]
