@@ -178,7 +178,7 @@ impl Traces {
     /// Begins a trace.
     fn begin(&mut self, left: f64, timing: Timing) {
         let generation = self.current.generation.wrapping_add(1);
-        if !self.current.is_sent {
+        if !self.current.is_sent && self.current.columns.reached() > 0 {
             mem::swap(&mut self.current, &mut self.finished);
             self.has_finished = true;
         }
