@@ -6,7 +6,7 @@ use std::mem;
 use super::{CHANNELS, Sample};
 
 /// The largest number of points of a curve.
-pub(super) const MAX_POINTS: usize = 20_000;
+const MAX_POINTS: usize = 20_000;
 
 /// A curve that is full keeps at most this number of points.
 const POINTS_OF_FULL: usize = MAX_POINTS * 3 / 4;

@@ -209,8 +209,9 @@ impl Scope {
         }
         let trigger = &self.controls.trigger;
         let is_run = trigger.mode == TriggerMode::Run;
+        // With the run as trigger, the level has no effect.
         let has_other_trigger =
-            *trigger != before.trigger && !(is_run && before.trigger.mode == trigger.mode);
+            *trigger != before.trigger && (!is_run || before.trigger.mode != TriggerMode::Run);
         let timing = Timing { trigger, screen: self.screen() };
         if timing.screen != screen_before || (has_other_trigger && is_run) {
             self.traces.redraw(&self.memory, self.end, timing);

@@ -91,12 +91,10 @@ impl Timing<'_> {
         let volts = |sample: &Sample| sample.volts[self.trigger.channel] - self.trigger.level;
         let sign = if self.trigger.rising { 1.0 } else { -1.0 };
         let (before, after) = (sign * volts(from), sign * volts(to));
-        // The comparison is false if a channel is free.
-        if !(before < 0.0 && after >= 0.0) {
-            return None;
-        }
+        // The comparisons are false if the channel is free.
+        let passes = before < 0.0 && after >= 0.0;
         let time = from.time + (to.time - from.time) * (before / (before - after));
-        (time >= start).then_some(time.min(to.time))
+        (passes && time >= start).then_some(time.min(to.time))
     }
 }
 
