@@ -11,8 +11,8 @@ const MAX_POINTS: usize = 20_000;
 /// A curve that is full keeps at most this number of points.
 const POINTS_OF_FULL: usize = MAX_POINTS * 3 / 4;
 
-/// How much larger the tolerance of a long curve is. A chord of twice the length is four times as far from the curve, so
-/// half of the points remain. When the curve is full again, the oldest points are removed instead, because a larger
+/// How much larger the tolerance of a long curve is. A chord of twice the length is four times as far from the curve.
+/// So half of the points remain. When the curve is full again, the oldest points are removed instead, because a larger
 /// tolerance would be visible.
 const COARSER: f64 = 4.0;
 
