@@ -6,14 +6,15 @@ use std::mem;
 use super::{CHANNELS, Sample};
 
 /// The largest number of points of a curve.
-pub(super) const MAX_POINTS: usize = 20_000;
+const MAX_POINTS: usize = 20_000;
 
 /// A curve that is full keeps at most this number of points.
 const POINTS_OF_FULL: usize = MAX_POINTS * 3 / 4;
 
-/// How often the tolerance of a long curve doubles. Then the oldest points are removed instead, because a larger
+/// How much larger the tolerance of a long curve is. A chord of twice the length is four times as far from the curve.
+/// So half of the points remain. When the curve is full again, the oldest points are removed instead, because a larger
 /// tolerance would be visible.
-const MAX_DOUBLINGS: u32 = 3;
+const COARSER: f64 = 4.0;
 
 /// The present curve and, until a frame has it, the one before.
 ///
@@ -28,10 +29,10 @@ pub(super) struct Curve {
     has_finished: bool,
     /// The chord that is being extended; absent before the first point and after a gap.
     chord: Option<Chord>,
-    /// Largest distance in volts between a new curve and the points that it is made from.
+    /// Largest distance in volts between a short curve and the points that it is made from.
     tolerance: f64,
-    /// How often the tolerance has doubled since the curve began.
-    doublings: u32,
+    /// Whether the tolerance is [`COARSER`] times as large.
+    is_coarse: bool,
 }
 
 /// The points of a curve.
@@ -126,7 +127,7 @@ impl Curve {
             has_finished: false,
             chord: None,
             tolerance,
-            doublings: 0,
+            is_coarse: false,
         }
     }
 
@@ -147,9 +148,9 @@ impl Curve {
         self.tolerance = tolerance;
     }
 
-    /// Largest distance in volts between the present curve and the points that it was made from.
+    /// The tolerance of the next points.
     fn present_tolerance(&self) -> f64 {
-        self.tolerance * f64::from(1_u32 << self.doublings)
+        if self.is_coarse { COARSER * self.tolerance } else { self.tolerance }
     }
 
     /// Ends the present curve, because a run begins.
@@ -176,7 +177,7 @@ impl Curve {
         self.current.points.clear();
         self.current.sent = 0;
         self.chord = None;
-        self.doublings = 0;
+        self.is_coarse = false;
     }
 
     /// Adds a sample. Without a voltage at both channels there is a gap.
@@ -213,16 +214,13 @@ impl Curve {
             return;
         }
         self.current.sent = 0;
-        while self.current.points.len() > POINTS_OF_FULL {
-            if self.doublings < MAX_DOUBLINGS {
-                // The points are within the present tolerance of the curve. As much again gives twice the tolerance.
-                let tolerance = self.present_tolerance();
-                thin(&mut self.current.points, tolerance);
-                self.doublings += 1;
-            } else {
-                self.current.points.drain(..MAX_POINTS / 2);
-                self.current.points[0].begins = true;
-            }
+        if !mem::replace(&mut self.is_coarse, true) {
+            let tolerance = self.present_tolerance();
+            thin(&mut self.current.points, tolerance);
+        }
+        if self.current.points.len() > POINTS_OF_FULL {
+            self.current.points.drain(..MAX_POINTS / 2);
+            self.current.points[0].begins = true;
         }
     }
 

@@ -170,7 +170,7 @@ impl Envelope {
         for index in 0..other.reached {
             let start = self.position(other.left + index as f64 * other.width) + EDGE;
             let end = (start + other.width * self.per_second).min(until) - 2.0 * EDGE;
-            if start >= count || end < 0.0 {
+            if start >= count.min(until) || end < 0.0 {
                 continue;
             }
             let (first, last) = (self.bucket(start), self.bucket(end));

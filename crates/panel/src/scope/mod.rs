@@ -37,7 +37,8 @@ pub const COLUMNS: usize = 1000;
 const BUCKETS: usize = 1 << 15;
 /// Number of points from left to right that make a smooth picture.
 const POINTS_ACROSS: f64 = 2000.0;
-/// Largest distance in volts between an X-Y curve and the points that it is made from.
+/// Largest distance in volts between an X-Y curve and the points that it is made from. That of a very long curve is
+/// five times as large.
 const TOLERANCE: f64 = 0.02;
 /// The same in divisions, for a magnified curve.
 const TOLERANCE_IN_DIVISIONS: f64 = 0.001;
@@ -122,9 +123,7 @@ struct Sample {
 impl Sample {
     /// The voltages on the straight line to another sample, at this share of it.
     fn towards(&self, other: &Sample, share: f64) -> [f64; CHANNELS] {
-        array::from_fn(|channel| {
-            self.volts[channel] + (other.volts[channel] - self.volts[channel]) * share
-        })
+        array::from_fn(|channel| self.volts[channel] + (other.volts[channel] - self.volts[channel]) * share)
     }
 }
 
@@ -210,7 +209,9 @@ impl Scope {
         }
         let trigger = &self.controls.trigger;
         let is_run = trigger.mode == TriggerMode::Run;
-        let has_other_trigger = *trigger != before.trigger && !(is_run && before.trigger.mode == trigger.mode);
+        // With the run as trigger, the level has no effect.
+        let has_other_trigger =
+            *trigger != before.trigger && (!is_run || before.trigger.mode != TriggerMode::Run);
         let timing = Timing { trigger, screen: self.screen() };
         if timing.screen != screen_before || (has_other_trigger && is_run) {
             self.traces.redraw(&self.memory, self.end, timing);
@@ -299,7 +300,7 @@ impl Scope {
         }
     }
 
-    /// Largest distance in volts between the X-Y curve and its points, unless the curve is very long.
+    /// Largest distance in volts between an X-Y curve and the points that it is made from.
     fn tolerance(&self) -> f64 {
         let scale = self.controls.channels.iter().map(|channel| channel.volts_per_division);
         scale.map(|volts| volts * TOLERANCE_IN_DIVISIONS).fold(TOLERANCE, f64::min)

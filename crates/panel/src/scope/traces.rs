@@ -91,12 +91,10 @@ impl Timing<'_> {
         let volts = |sample: &Sample| sample.volts[self.trigger.channel] - self.trigger.level;
         let sign = if self.trigger.rising { 1.0 } else { -1.0 };
         let (before, after) = (sign * volts(from), sign * volts(to));
-        // The comparison is false if a channel is free.
-        if !(before < 0.0 && after >= 0.0) {
-            return None;
-        }
+        // The comparisons are false if the channel is free.
+        let passes = before < 0.0 && after >= 0.0;
         let time = from.time + (to.time - from.time) * (before / (before - after));
-        (time >= start).then_some(time.min(to.time))
+        (passes && time >= start).then_some(time.min(to.time))
     }
 }
 
@@ -178,7 +176,7 @@ impl Traces {
     /// Begins a trace.
     fn begin(&mut self, left: f64, timing: Timing) {
         let generation = self.current.generation.wrapping_add(1);
-        if !self.current.is_sent {
+        if !self.current.is_sent && self.current.columns.reached() > 0 {
             mem::swap(&mut self.current, &mut self.finished);
             self.has_finished = true;
         }
