@@ -11,7 +11,7 @@ const NAMES = ['pot-set', 'problem-check', 'initial-condition', 'operate', 'hold
 const MODES = [
   ['operate', 'Operate', 'o', 'The integrators integrate.'],
   ['hold', 'Hold', 'h', 'The integrators keep their outputs. Move the slider to see an earlier time.'],
-  ['initial-condition', 'Initial condition', 'i', 'The integrators are at their initial conditions.'],
+  ['initial-condition', 'Initial condition', 'i', 'The integrators are at their initial conditions. Operate starts them.'],
   ['repetitive', 'Repetitive', 'r', 'The run is repeated. Turn a knob and watch the trace.'],
   ['single', 'Single sweep', 's', 'The run is made once. Then the machine holds.'],
   ['pot-set', 'Pot set', 'p', 'The references are disconnected, except at the pot that is being set.'],
@@ -36,7 +36,8 @@ function mountModes() {
     const select = () => send({ command: 'mode', mode });
     bind(key, text, select);
     return el('button', { type: 'button', class: `mode mode-${mode}`, 'aria-pressed': 'false', 'aria-keyshortcuts': key, onclick: select },
-      el('span', { class: 'mode-lamp' }), el('span', { class: 'mode-name' }, text), el('kbd', { 'aria-hidden': 'true' }, key.toUpperCase()));
+      el('span', { class: 'mode-lamp' }), el('span', { class: 'mode-name' }, text),
+      el('kbd', { 'aria-hidden': 'true' }, key.toUpperCase()));
   });
   byId('modes').append(...buttons);
   const show = (mode) => {
@@ -44,6 +45,7 @@ function mountModes() {
       const isOn = String(MODES[index][0] === mode);
       if (each.getAttribute('aria-pressed') !== isOn) each.setAttribute('aria-pressed', isOn);
     });
+    byId('mode-text').dataset.stopped = String(Boolean(state.machine?.stopped));
     put(byId('mode-text'), 'textContent', state.machine?.stopped ?? MODES.find(([name]) => name === mode)?.[3] ?? '');
     // A first look at the panel: the button that makes a trace stands out until the machine has run.
     if (['operate', 'repetitive', 'single'].includes(mode)) delete document.documentElement.dataset.first;
@@ -155,8 +157,8 @@ function numberField(text, unit, placeholder, commit) {
 }
 
 function mountTiming() {
-  const sweep = numberField('Sweep', 's', 'of the patch', (seconds) => send({ command: 'sweep', seconds }));
-  const rate = numberField('Repetitions', 'per s', 'by speed', (hertz) => send({ command: 'rate', hertz }));
+  const sweep = numberField('Sweep', 's', 'auto', (seconds) => send({ command: 'sweep', seconds }));
+  const rate = numberField('Repetitions', 'per s', 'auto', (hertz) => send({ command: 'rate', hertz }));
   const scale = numberField('Time scale', '×', '1', (value) => send({ command: 'time-scale', value: value ?? 1 }));
   on('machine', (machine) => {
     sweep(machine.sweep);
