@@ -21,6 +21,8 @@ const MODES = [
 /** Speeds: factor, text, name for screen readers. */
 const SPEEDS = [[0.5, '½×', 'Half speed'], [1, '1×', 'Real time'], [2, '2×', 'Double speed'], [null, 'Max', 'Maximum speed']];
 
+const modeOf = ({ mode }) => NAMES[mode] ?? mode;
+
 /** Below this ratio the page says that the machine is slower than asked. */
 const SLOW = 0.95;
 
@@ -51,7 +53,7 @@ function mountModes() {
     if (['operate', 'repetitive', 'single'].includes(mode)) delete document.documentElement.dataset.first;
   };
   on('machine', (machine) => show(machine.mode));
-  on('frame', (frame) => show(NAMES[frame.mode]));
+  on('frame', (frame) => show(modeOf(frame)));
 }
 
 function mountSpeed() {
@@ -115,7 +117,7 @@ function mountTime() {
   });
   on('frame', (frame) => {
     // The time falls when a sweep begins again, but not when the machine holds an earlier time.
-    furthest = NAMES[frame.mode] === 'hold' ? Math.max(furthest, frame.time) : frame.time;
+    furthest = modeOf(frame) === 'hold' ? Math.max(furthest, frame.time) : frame.time;
     if (frame.moves) ratio += 0.1 * (Math.min(frame.ratio, 1) - ratio);
     put(byId('time'), 'textContent', clock(frame.time));
     put(byId('pace'), 'textContent', pace({ ...frame, ratio }));
@@ -136,7 +138,7 @@ function mountOverload() {
     lamp.dataset.lit = String(name !== null);
     put(text, 'textContent', name === null ? 'No overload' : `Overload: ${name}`);
   };
-  on('frame', ({ first }) => show(first === null ? null : state.patch?.outputs[first]?.name ?? ''));
+  on('frame', ({ firstLamp }) => show(state.patch?.outputs[firstLamp ?? -1]?.name ?? null));
   on('machine', ({ overloads }) => show(overloads[0]?.element ?? null));
 }
 
@@ -144,7 +146,7 @@ function mountOverload() {
  * A number that the patch or the machine gives by default: an empty field goes back to it.
  * @param {(value: number | null) => any} commit
  */
-function numberField(text, unit, placeholder, commit) {
+function numberField(text, placeholder, commit) {
   const input = el('input', { type: 'text', inputmode: 'decimal', autocomplete: 'off', placeholder });
   const show = (value) => { if (document.activeElement !== input) input.value = value === null ? '' : format(value, 6); };
   input.addEventListener('change', async () => {
@@ -152,14 +154,14 @@ function numberField(text, unit, placeholder, commit) {
     input.setAttribute('aria-invalid', String(input.value.trim() !== '' && parse(input.value) === null));
   });
   input.addEventListener('keydown', ({ key }) => { if (key === 'Enter' || key === 'Escape') input.blur(); });
-  byId('timing').append(label(text, input, unit));
+  byId('timing').append(label(text, input));
   return show;
 }
 
 function mountTiming() {
-  const sweep = numberField('Sweep', 's', 'auto', (seconds) => send({ command: 'sweep', seconds }));
-  const rate = numberField('Repetitions', 'per s', 'auto', (hertz) => send({ command: 'rate', hertz }));
-  const scale = numberField('Time scale', '×', '1', (value) => send({ command: 'time-scale', value: value ?? 1 }));
+  const sweep = numberField('Sweep, s', 'auto', (seconds) => send({ command: 'sweep', seconds }));
+  const rate = numberField('Rate, 1/s', 'auto', (hertz) => send({ command: 'rate', hertz }));
+  const scale = numberField('Time scale', '1', (value) => send({ command: 'time-scale', value: value ?? 1 }));
   on('machine', (machine) => {
     sweep(machine.sweep);
     rate(machine.rate);

@@ -17,7 +17,8 @@ let snapshot = null;
 let saved = null;
 
 const byId = (id) => document.getElementById(id);
-const address = () => location.pathname + location.search;
+/** Another server, or another patch in the address, is another session. */
+const address = () => location.pathname + location.search + token();
 const isChanged = () => state.patch !== null && state.patch.undo !== null && state.patch.revision !== saved;
 
 async function openText(name, text) {
@@ -135,14 +136,13 @@ async function restore(content) {
 }
 
 /** Opens the text at an address of this site. @returns {Promise<boolean>} whether there is one that opens */
-async function fetchPatch(url, isOptional) {
+async function fetchPatch(url, isOptional, name = url.pathname.split('/').at(-1)) {
   const answer = await fetch(url).catch(() => null);
   if (!answer?.ok) {
     if (!isOptional) toast(`No patch at ${url.pathname}. Check the address.`);
     return false;
   }
-  const name = answer.headers.get('content-disposition')?.match(/filename="?([^";]+)/)?.[1];
-  return openText(name ?? url.pathname.split('/').at(-1), await answer.text());
+  return openText(name, await answer.text());
 }
 
 async function openNamed() {
@@ -164,7 +164,7 @@ export async function begin() {
   }
   if (await openNamed()) return;
   const own = new URL(`patch?token=${encodeURIComponent(token())}`, document.baseURI);
-  if (state.host?.kind === 'server' && await fetchPatch(own, true)) return;
+  if (state.host?.kind === 'server' && state.host.patch && await fetchPatch(own, false, state.host.patch)) return;
   if (await fetchPatch(new URL('patches/default.json', document.baseURI), true)) return;
   await send({ command: 'new', machine: null });
 }

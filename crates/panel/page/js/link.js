@@ -2,7 +2,9 @@
  * The way to the session: a server behind a WebSocket or an engine in a Worker. Both answer requests in order.
  *
  * @typedef {{text: string, frame: ArrayBuffer | null}} Answer
- * @typedef {{kind: 'server' | 'worker', request: (text: string) => Promise<Answer>, lost: Promise<string>}} Link
+ * @typedef {{kind: 'server' | 'worker', patch?: string | null, request: (text: string) => Promise<Answer>,
+ *   lost: Promise<string>}} Link  `patch` is the name of the patch that the host opens first; `lost` resolves with a
+ *   message when the host no longer answers.
  */
 
 const TOKEN = 'patchcord.token';
@@ -63,7 +65,7 @@ function connectServer() {
   return new Promise((resolve, reject) => {
     socket.onopen = () => resolve({ kind: 'server', request, lost: requests.lost });
     socket.onclose = ({ reason }) => {
-      const message = reason || 'The connection to patchcord is closed. Check that the command still runs.';
+      const message = reason || 'The connection to patchcord is closed. Check that the command still runs, and use the address that it printed.';
       requests.close(message);
       reject(new Error(message));
     };
@@ -98,6 +100,6 @@ export async function connect() {
   token();
   const answer = await fetch('host.json');
   if (!answer.ok) throw new Error('The file host.json is missing next to the page.');
-  const { host } = await answer.json();
-  return host === 'server' ? connectServer() : connectWorker();
+  const { host, patch } = await answer.json();
+  return { ...await (host === 'server' ? connectServer() : connectWorker()), patch };
 }
