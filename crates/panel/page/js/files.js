@@ -46,7 +46,7 @@ function ask(title, content, yes) {
       class: 'dialog', 'aria-labelledby': 'ask-title',
       onclose: () => { dialog.remove(); resolve(dialog.returnValue === 'yes'); },
     }, el('h2', { id: 'ask-title' }, title), content,
-    el('div', { class: 'dialog-buttons' }, button('Cancel', close('no')), button(yes, close('yes'), { class: 'primary' })));
+    el('div', { class: 'dialog-buttons' }, button('Cancel', close('no')), button(yes, close('yes'), { class: 'primary', autofocus: true })));
     document.body.append(dialog);
     dialog.showModal();
   });

@@ -55,7 +55,7 @@ function showList() {
     el('h2', { id: 'keys-title' }, 'Keys'),
     el('dl', { class: 'keys' }, rows),
     el('label', { class: 'check' }, letters, 'Single letters are keys'),
-    el('div', { class: 'dialog-buttons' }, button('Close', () => dialog.close(), { class: 'primary' })));
+    el('div', { class: 'dialog-buttons' }, button('Close', () => dialog.close(), { class: 'primary', autofocus: true })));
   document.body.append(dialog);
   dialog.showModal();
 }

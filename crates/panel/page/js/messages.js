@@ -49,11 +49,10 @@ function place(box) {
 
 /** Shows a message near the pointer and reads it out. A message stays while the pointer is on it. */
 export function toast(message, kind = 'error') {
-  document.querySelector('.toast')?.remove();
   const close = () => box.remove();
   const box = el('div', { class: `toast ${kind}` }, el('p', null, message),
     button('×', close, { class: 'close', 'aria-label': 'Close the message' }));
-  document.body.append(box);
+  byId('toasts').replaceChildren(box);
   place(box);
   const spoken = byId('spoken');
   spoken.textContent = '';
