@@ -65,8 +65,8 @@ function mountSpeed() {
     const at = SPEEDS.findIndex(([factor]) => factor === state.machine?.speed);
     choose(SPEEDS[Math.min(Math.max((at < 0 ? 1 : at) + by, 0), SPEEDS.length - 1)][0]);
   };
-  bind('[', 'Slower', () => step(-1));
-  bind(']', 'Faster', () => step(1));
+  bind(',', 'Slower', () => step(-1));
+  bind('.', 'Faster', () => step(1));
   on('machine', ({ speed, rate }) => {
     buttons.forEach((each, index) => each.setAttribute('aria-pressed', String(rate === null && SPEEDS[index][0] === speed)));
   });

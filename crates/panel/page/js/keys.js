@@ -23,8 +23,10 @@ function nameOf({ key, ctrlKey, metaKey, shiftKey }) {
 }
 
 /** Whether the key belongs to the control that has the focus. */
-function isTaken({ target, key, defaultPrevented, altKey, isComposing }) {
+function isTaken({ target, key, defaultPrevented, altKey, isComposing }, name) {
   if (defaultPrevented || altKey || isComposing || document.querySelector('dialog[open]')) return true;
+  // A field undoes its own text, but it opens and saves no files.
+  if (['Ctrl+S', 'Ctrl+O'].includes(name)) return false;
   if (target.closest('input:not([type=range], [type=checkbox], [type=radio]), textarea, select, [contenteditable]')) {
     return true;
   }
@@ -38,7 +40,7 @@ function pressed(event) {
   const name = nameOf(event);
   const row = table.find(({ key }) => key === name);
   const needsCtrl = name.startsWith('Ctrl+');
-  if (!row || isTaken(event) || (!needsCtrl && name !== '?' && areLettersOff())) return;
+  if (!row || isTaken(event, name) || (!needsCtrl && name !== '?' && areLettersOff())) return;
   event.preventDefault();
   row.run(event);
 }
