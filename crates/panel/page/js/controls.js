@@ -4,9 +4,6 @@ import { button, el, format, label, parse, quantity } from './dom.js';
 import { bind } from './keys.js';
 import { on, send, state } from './state.js';
 
-/** In the order of the numbers in a frame. */
-const NAMES = ['pot-set', 'problem-check', 'initial-condition', 'operate', 'hold', 'repetitive', 'single'];
-
 /** Modes in the order of the buttons: name, text, key, and what the machine does. */
 const MODES = [
   ['operate', 'Operate', 'o', 'The integrators integrate.'],
@@ -21,9 +18,7 @@ const MODES = [
 /** Speeds: factor, text, name for screen readers. */
 const SPEEDS = [[0.5, '½×', 'Half speed'], [1, '1×', 'Real time'], [2, '2×', 'Double speed'], [null, 'Max', 'Maximum speed']];
 
-const modeOf = ({ mode }) => NAMES[mode] ?? mode;
-
-/** Below this ratio the page says that the machine is slower than asked. */
+/** Below this share of the wanted speed the page reports that the machine is slow. */
 const SLOW = 0.95;
 
 const byId = (id) => document.getElementById(id);
@@ -53,7 +48,7 @@ function mountModes() {
     if (['operate', 'repetitive', 'single'].includes(mode)) delete document.documentElement.dataset.first;
   };
   on('machine', (machine) => show(machine.mode));
-  on('frame', (frame) => show(modeOf(frame)));
+  on('frame', (frame) => show(frame.mode));
 }
 
 function mountSpeed() {
@@ -96,36 +91,33 @@ function pace(frame) {
   if (frame.stopped) return 'stopped';
   if (frame.paused) return 'paused';
   if (!frame.moves) return 'at rest';
-  if (frame.ratio < SLOW) return `${quantity(1 / frame.ratio, '', 2)} times too slow for this computer`;
+  if (frame.factor < SLOW) return `${quantity(1 / frame.factor, '', 2)} times too slow for this computer`;
   return state.machine?.speed === null && state.machine?.rate === null ? 'as fast as possible' : 'running';
 }
 
 /** The time, the slider over the run, and the sentence about speed. */
 function mountTime() {
   const scrub = byId('scrub');
-  let furthest = 0;
-  let ratio = 1;
-  const move = () => {
+  let factor = 1;
+  let isMoved = false;
+  scrub.addEventListener('input', () => {
+    isMoved = true;
     byId('scrub-time').textContent = quantity(Number(scrub.value), 's');
-    send({ command: 'scrub', time: Number(scrub.value) });
-  };
-  scrub.addEventListener('input', move);
-  on('machine', ({ time, mode, oldest }) => {
-    if (mode === 'initial-condition') furthest = 0;
-    furthest = Math.max(furthest, time);
-    put(scrub, 'min', String(oldest));
   });
+  // The machine forgets the run after the time to which it moves back, so that it moves when the slider is let go.
+  scrub.addEventListener('change', async () => {
+    await send({ command: 'scrub', time: Number(scrub.value) });
+    isMoved = false;
+  });
+  on('machine', ({ oldest }) => put(scrub, 'min', String(oldest)));
   on('frame', (frame) => {
-    // The time falls when a sweep begins again, but not when the machine holds an earlier time.
-    furthest = modeOf(frame) === 'hold' ? Math.max(furthest, frame.time) : frame.time;
-    if (frame.moves) ratio += 0.1 * (Math.min(frame.ratio, 1) - ratio);
+    if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
     put(byId('time'), 'textContent', clock(frame.time));
-    put(byId('pace'), 'textContent', pace({ ...frame, ratio }));
-    if (document.activeElement === scrub && scrub.matches(':active')) return;
-    const length = Math.max(furthest, Number(scrub.min));
-    put(scrub, 'max', String(length));
-    scrub.disabled = length <= Number(scrub.min);
-    scrub.value = String(frame.time);
+    put(byId('pace'), 'textContent', pace({ ...frame, factor }));
+    if (isMoved) return;
+    put(scrub, 'max', String(Math.max(frame.time, Number(scrub.min))));
+    put(scrub, 'disabled', frame.time <= Number(scrub.min));
+    put(scrub, 'value', String(frame.time));
     put(byId('scrub-time'), 'textContent', quantity(frame.time, 's'));
   });
 }
