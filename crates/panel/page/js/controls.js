@@ -109,6 +109,8 @@ function mountTime() {
     await send({ command: 'scrub', time: Number(scrub.value) });
     isMoved = false;
   });
+  // There is no `change` if the slider is back at its place.
+  for (const end of ['pointerup', 'pointercancel', 'blur']) scrub.addEventListener(end, () => setTimeout(() => { isMoved = false; }, 100));
   on('machine', ({ oldest }) => put(scrub, 'min', String(oldest)));
   on('frame', (frame) => {
     if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
