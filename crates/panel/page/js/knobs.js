@@ -6,7 +6,7 @@ import { highlight, on, send } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
 const FILTERED = 12;
-const GROUPS = ['Parameters', 'Pots', 'Switches', 'Initial conditions and other settings'];
+const GROUPS = ['Parameters', 'Pots', 'Switches', 'Initial conditions and other settings', 'Set by parameters'];
 
 /** The values of the patch as it was opened, by the keys of the controls. */
 const opened = new Map();
@@ -17,109 +17,100 @@ const cards = new Map();
 let openedFile = '';
 
 /**
- * @typedef {{key: string, group: number, place: object, title: string, about: string, unit: string, view: any}} Control
- * @typedef {{node: HTMLElement, control: Control, update: (view: any, patch: any) => void}} Card
+ * @typedef {{key: string, place: any, view: any, title: string, about: string, unit: string, group?: number}} Control
+ * @typedef {{node: HTMLElement, place: any, update: (view: any, patch: any) => void}} Card
  */
 
-const keyOf = (place) => `${place.parameter ?? place.element}\n${place.setting ?? ''}`;
-const isNumber = (text) => text !== null && Number.isFinite(Number(text));
-const isFormula = ({ form, text }) => form === 'number' && text !== null && !isNumber(text);
+const keyOf = ({ parameter, element, setting }) => JSON.stringify([parameter, element, setting]);
+const isFormula = ({ form, text }) => form === 'number' && text !== null && Number.isNaN(Number(text));
 
 /** The value as a command has it. */
 function content({ form, text, value, words }) {
   if (form === 'flag') return value === 1;
   if (form === 'choice') return words[value];
-  if (form === undefined || isNumber(text)) return value ?? Number(text);
-  return text;
+  return form && (text === null || Number.isNaN(Number(text))) ? text : value ?? Number(text);
 }
 
-function isShown(kind, { form, name, text }) {
-  if (form === 'points') return false;
-  return text !== null || ['setting', 'initial'].includes(name) || (kind === 'key-switch' && form === 'flag');
+function isShown({ kind }, { form, name, text }) {
+  return form !== 'points' && (text !== null || name === 'setting' || name === 'initial' || (kind === 'key-switch' && form === 'flag'));
 }
 
-/** The control of a setting. @returns {Control} */
+/** @returns {Control} */
 function ofSetting(element, view, patch) {
   const place = { element: element.name, setting: view.name };
   const isPot = view.name === 'setting';
   const output = patch.outputs.find(({ name }) => name === element.outputs[0]);
   return {
     key: keyOf(place), place, view,
-    group: isPot ? 1 : view.form === 'number' ? 3 : 2,
     title: isPot || view.form === 'flag' ? element.name : `${element.name} ${view.name}`,
-    about: element.note || view.description,
-    unit: { 'unit of the scale': output?.unit ?? '', 'whole number': '' }[view.unit] ?? view.unit,
+    about: element.note || (isPot ? '' : view.description),
+    unit: { 'unit of the scale': output?.unit, 'whole number': '' }[view.unit] ?? view.unit,
   };
 }
 
-/** All controls. Pots that had a formula when the patch was opened follow the others. @returns {Control[]} */
+/** All controls, and the values that they had when the patch was opened: those of a patch without a history. @returns {Control[]} */
 function controlsOf(patch) {
   const parameters = patch.parameters.map((view) => {
     const place = { parameter: view.name };
-    return { key: keyOf(place), place, view, group: 0, title: view.name, about: view.description, unit: view.unit };
+    return { key: keyOf(place), place, view, title: view.name, about: view.description, unit: view.unit };
   });
-  const settings = patch.elements.flatMap((element) => element.settings.filter((view) => isShown(element.kind, view))
+  const settings = patch.elements.flatMap((element) => element.settings.filter((view) => isShown(element, view))
     .map((view) => ofSetting(element, view, patch)));
-  return [...parameters, ...settings];
-}
-
-/** Keeps the values of a patch without a history; of one with a history, those of new controls. */
-function keepOpened(patch, controls) {
+  const controls = [...parameters, ...settings];
   const file = `${patch.file}\n${patch.title}`;
   if (patch.undo === null || file !== openedFile) opened.clear();
   openedFile = file;
-  for (const { key, view } of controls) if (!opened.has(key)) opened.set(key, content(view));
+  for (const control of controls) {
+    const { key, place, view } = control;
+    if (!opened.has(key)) opened.set(key, content(view));
+    // A control stays in its group when its formula is replaced: it must not move while it is being turned.
+    const other = typeof opened.get(key) === 'string' ? 4 : place.setting === 'setting' ? 1 : 3;
+    control.group = place.parameter ? 0 : view.form === 'number' ? other : 2;
+  }
+  return controls;
 }
 
 /** Marks these controls and moves the page to the first one. */
 function show(keys) {
-  const nodes = keys.map((key) => cards.get(key)?.node).filter(Boolean);
-  for (const { node } of cards.values()) node.classList.toggle('is-marked', nodes.includes(node));
-  nodes[0]?.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
+  for (const [key, { node }] of cards) node.classList.toggle('is-marked', keys.includes(key));
+  cards.get(keys[0])?.node.scrollIntoView({ block: 'center', behavior: 'smooth' });
 }
 
-/** The lines below a dial whose value a formula gives. */
-function formulaLines({ key, place, title }, { text, parameters }, unlock) {
-  const follow = () => {
-    highlight(place);
-    show(parameters.map((parameter) => keyOf({ parameter })));
-  };
-  return [
-    button(text, follow, { class: 'knob-law', title: parameters.length ? `Show ${parameters.join(', ')}` : 'Show the element' }),
-    unlocked.has(key) ? el('p', {}, 'Turning replaces the formula.')
-      : button('Unlock', unlock, { class: 'knob-unlock', 'aria-label': `Unlock ${title}. Turning it then replaces the formula`, title: 'Turning then replaces the formula' }),
-  ];
-}
-
-/** A dial for a number, with the formula behind it or the pots that it turns. */
-function dialOf(control, set, reset) {
-  const { key, place, title, about, unit, view } = control;
-  const isPot = control.group === 1;
+/** A dial for a number, with the formula behind it or the elements that it turns. */
+function dialOf({ key, place, title, about, unit, view }, set, reset) {
+  const isPot = place.setting === 'setting';
   const lines = el('div', { class: 'knob-lines' });
   let present = view;
+  let drawn = '';
   const knob = dial({
     label: about ? `${title}, ${about}` : title, unit, range: view.range, whole: view.unit === 'whole number', turned: set, reset,
     perTurn: isPot ? 0.1 : 0, digits: isPot ? 4 : 0,
     blocked: () => knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
   });
-  let drawn = '';
   const update = (one, patch) => {
     present = one;
     knob.show(one.value ?? (one.text === null ? 0 : NaN));
-    const turns = place.parameter ? patch.elements.filter(({ settings }) => settings.some(({ parameters }) => parameters.includes(title))) : [];
-    const isLocked = isFormula(one) && !unlocked.has(key);
-    const line = isFormula(one) ? `${one.text} ${isLocked}` : turns.map(({ name }) => name).join(', ');
-    if (line === drawn) return;
-    drawn = line;
     if (!isFormula(one)) unlocked.delete(key);
+    const isLocked = isFormula(one) && !unlocked.has(key);
+    const turns = patch.elements.filter(({ settings }) => settings.some(({ parameters }) => parameters.includes(place.parameter)));
+    const text = isFormula(one) ? one.text : turns.map(({ name }) => name).join(', ');
+    if (drawn === text + isLocked) return;
+    drawn = text + isLocked;
     knob.lock(isLocked);
+    const follow = () => {
+      highlight(place);
+      show(one.parameters.map((parameter) => keyOf({ parameter })));
+    };
     const unlock = () => {
       unlocked.add(key);
       knob.note('');
       update(one, patch);
       knob.knob.focus();
     };
-    lines.replaceChildren(...isFormula(one) ? formulaLines(control, one, unlock) : turns.length ? [el('p', {}, `turns ${line}`)] : []);
+    const formula = () => [button(text, follow, { class: 'knob-law', title: 'Show the parameters behind it' }),
+      isLocked ? button('Unlock', unlock, { 'aria-label': `Unlock ${title}. Turning it then replaces the formula`, title: 'Turning then replaces the formula' })
+        : el('p', {}, 'Turning replaces the formula.')];
+    lines.replaceChildren(...(isFormula(one) ? formula() : [text && `turns ${text}`]));
   };
   return { parts: [knob.node, lines], update };
 }
@@ -131,16 +122,18 @@ function switchOf({ title, view }, set) {
     message.textContent = (await set(value)).find(({ event }) => event === 'refused')?.message ?? '';
   };
   if (view.form === 'choice') {
-    const list = el('select', { 'aria-label': title, onchange: () => change(list.value) }, view.words.map((word) => el('option', { value: word }, word)));
-    return { parts: [list, message], update: (one) => { list.value = one.words[one.value]; } };
+    const list = el('select', { 'aria-label': title, onchange: () => change(list.value) }, view.words.map((word) => el('option', {}, word)));
+    return { parts: [list, message], update: ({ value }) => { list.selectedIndex = value; } };
   }
-  const state = el('span', {});
-  const toggle = button(state, () => change(toggle.getAttribute('aria-checked') !== 'true'), { class: 'toggle', role: 'switch', 'aria-label': `${title} ${view.name}` });
+  const word = el('span', {});
+  let isOn = false;
+  const toggle = button(word, () => change(!isOn), { class: 'toggle', role: 'switch', 'aria-label': `${title} ${view.name}` });
   return {
     parts: [toggle, message],
-    update(one) {
-      toggle.setAttribute('aria-checked', String(one.value === 1));
-      state.textContent = one.value === 1 ? one.name : `not ${one.name}`;
+    update({ name, value }) {
+      isOn = value === 1;
+      toggle.setAttribute('aria-checked', isOn);
+      word.textContent = isOn ? name : `not ${name}`;
     },
   };
 }
@@ -148,48 +141,54 @@ function switchOf({ title, view }, set) {
 /** @param {Control} control @returns {Card} */
 function cardOf(control) {
   const { key, place, title, about, view } = control;
-  const set = (value) => send(place.parameter ? { command: 'parameter', name: place.parameter, value } : { command: 'setting', ...place, value });
+  const set = (value) => send(place.parameter ? { command: 'parameter', name: title, value } : { command: 'setting', ...place, value });
   const reset = () => set(opened.get(key));
-  const { parts, update } = view.form === 'flag' || view.form === 'choice' ? switchOf(control, set) : dialOf(control, set, reset);
+  const { parts, update } = (view.form ?? 'number') === 'number' ? dialOf(control, set, reset) : switchOf(control, set);
   const back = button('↺', reset, { class: 'knob-reset', 'aria-label': `Reset ${title}`, title: 'Reset to the value of the opened patch' });
   const node = el('div', { class: 'knob', role: 'group', 'aria-label': title },
     el('div', { class: 'knob-title' }, el('b', {}, title), back), el('p', { class: 'knob-about', title: about }, about), parts);
   return {
-    node, control,
+    node, place,
     update(one, patch) {
       update(one, patch);
-      back.hidden = Object.is(content(one), opened.get(key));
+      back.hidden = content(one) === opened.get(key);
     },
   };
 }
 
-/** A second control for the pot with this output; null if there is no such pot. @returns {Card|null} */
+/** A second control for the pot with this output, if there is such a pot. */
 export function potCard(output, patch) {
   const element = patch.elements.find(({ outputs }) => outputs.includes(output));
   const view = element?.settings.find(({ name }) => name === 'setting');
-  return view ? cardOf(ofSetting(element, view, patch)) : null;
+  return view && cardOf(ofSetting(element, view, patch));
 }
 
-/** Draws all groups again. */
+/** The setting of a pot. */
+export function potView(card, patch) {
+  return patch.elements.find(({ name }) => name === card.place.element)?.settings.find(({ name }) => name === 'setting');
+}
+
 function build(root, controls) {
   cards.clear();
   for (const control of controls) cards.set(control.key, cardOf(control));
   const groups = GROUPS.map((heading, group) => {
-    const own = controls.filter((control) => control.group === group);
-    own.sort((one, other) => isFormula(one.view) - isFormula(other.view));
-    return own.length > 0 && el('details', { class: 'knob-group', open: true }, el('summary', {}, heading, el('small', {}, own.length)),
-      el('div', { class: `knob-grid${group === 2 ? ' is-switches' : ''}` }, own.map(({ key }) => cards.get(key).node)));
+    const own = controls.filter((control) => control.group === group).map(({ key }) => cards.get(key).node);
+    return own.length > 0 && el('details', { class: 'knob-group', open: group < 4 },
+      el('summary', {}, heading, el('small', {}, own.length)), el('div', { class: 'knob-grid' }, own));
   });
   const filter = el('input', {
     type: 'search', class: 'knob-filter', placeholder: 'Filter', 'aria-label': 'Filter the controls',
     oninput() {
       const words = filter.value.toLowerCase().split(/\s+/);
       for (const { node } of cards.values()) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
-      for (const group of root.querySelectorAll('.knob-group')) group.hidden = !group.querySelector('.knob:not([hidden])');
+      for (const group of root.querySelectorAll('details')) {
+        group.hidden = !group.querySelector('.knob:not([hidden])');
+        group.open ||= filter.value !== '';
+      }
     },
   });
-  root.replaceChildren(...[controls.length > FILTERED && filter, ...groups].filter(Boolean));
-  if (!controls.length) root.append(el('p', { class: 'knob-none' }, 'This patch has nothing to turn. Add a pot or a parameter.'));
+  const empty = el('p', {}, 'This patch has nothing to turn. Add a pot or a parameter.');
+  root.replaceChildren(...[controls.length > FILTERED && filter, ...groups, !controls.length && empty].filter(Boolean));
 }
 
 /** Shows the controls of the patch. @param {HTMLElement} root */
@@ -198,18 +197,15 @@ export function mountKnobs(root) {
   root.classList.add('knobs');
   on('patch', (patch) => {
     const controls = controlsOf(patch);
-    keepOpened(patch, controls);
     // Cards are kept while their controls are the same: a dial that is being turned must stay.
-    const form = JSON.stringify(controls.map(({ view, ...rest }) => [rest, view.range, view.words]));
+    const form = JSON.stringify(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]));
     if (form !== drawn) build(root, controls);
     drawn = form;
     for (const { key, view } of controls) cards.get(key).update(view, patch);
   });
-  on('highlight', (place) => {
-    for (const { node, control } of cards.values()) {
-      const { element, setting, parameter } = control.place;
-      node.classList.toggle('is-lit', parameter ? place?.parameter === parameter
-        : place?.element === element && (place.setting ?? setting) === setting);
+  on('highlight', (to) => {
+    for (const { node, place: { parameter, element, setting } } of cards.values()) {
+      node.classList.toggle('is-lit', parameter ? to?.parameter === parameter : to?.element === element && (to.setting ?? setting) === setting);
     }
   });
 }
