@@ -82,7 +82,7 @@ function drawing(isMany) {
   const [filled, long, short] = ['filled', 'long', 'short'].map(arc);
   const ends = [-41, 41].map((x) => svg('text', { class: 'dial-end', x, y: 54 }));
   const turning = svg('g', {}, isMany && [ring('fine', 40, 100), ring('coarse', 39, 10),
-    equal(9).map((_, digit) => svg('text', { class: 'dial-numeral', y: -27.5, transform: `rotate(${-36 * digit})` }, digit))],
+    ...equal(9).map((_, digit) => svg('text', { class: 'dial-numeral', y: -27.5, transform: `rotate(${-36 * digit})` }, digit))],
   ring('knurl', isMany ? 21 : 34, 36), svg('path', { class: 'dial-pointer', d: isMany ? 'M0-8V-18' : 'M0-14V-31' }));
   const picture = svg('svg', { viewBox: '-64 -60 128 120', 'aria-hidden': 'true' }, arc('track'), filled, !isMany && [short, long], turning,
     isMany && svg('path', { class: 'dial-index', d: 'M-3.5-51H3.5L0-41Z' }), ends);
@@ -240,6 +240,7 @@ export function dial(options) {
   }, parts.picture);
 
   function enter() {
+    if (!field.value.trim()) isEdited = false;
     const answer = isEdited ? typed(field.value, unit) : shown;
     if (typeof answer === 'string') return note(answer);
     if (isEdited) turn(answer);

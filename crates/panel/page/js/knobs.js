@@ -159,13 +159,15 @@ function cardOf(control) {
 /** A second control for the pot with this output, if there is such a pot. */
 export function potCard(output, patch) {
   const element = patch.elements.find(({ outputs }) => outputs.includes(output));
-  const view = element?.settings.find(({ name }) => name === 'setting');
-  return view && cardOf(ofSetting(element, view, patch));
-}
-
-/** The setting of a pot. */
-export function potView(card, patch) {
-  return patch.elements.find(({ name }) => name === card.place.element)?.settings.find(({ name }) => name === 'setting');
+  const settingOf = (one) => one?.settings.find(({ name }) => name === 'setting');
+  if (!settingOf(element)) return null;
+  const { node, update } = cardOf(ofSetting(element, settingOf(element), patch));
+  const refresh = (present) => {
+    const view = settingOf(present.elements.find(({ name }) => name === element.name));
+    if (view) update(view, present);
+  };
+  refresh(patch);
+  return { node, refresh };
 }
 
 function build(root, controls) {

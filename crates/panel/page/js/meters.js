@@ -2,7 +2,7 @@
 
 import { dashes, dial, equal } from './dial.js';
 import { button, el, format, quantity, svg } from './dom.js';
-import { potCard, potView } from './knobs.js';
+import { potCard } from './knobs.js';
 import { on, selectProbe, send, state } from './state.js';
 
 /** Natural frequency of a needle in radians per second, and its damping: it settles in 0.2 s and overshoots by 1.5 %. */
@@ -66,7 +66,7 @@ function fiveDigits(volts) {
  */
 function meterOf(title, symbol, full, connect) {
   const { picture, mark, move } = face(symbol);
-  let [drawn, last, isAsked] = ['', 0, false];
+  let [drawn, last] = ['', 0];
   const choose = (name) => {
     list.value = name;
     connect(list.value || null);
@@ -84,11 +84,13 @@ function meterOf(title, symbol, full, connect) {
   return {
     picture, mark, digits,
     outputs: el('div', { class: 'meter-outputs' }, list, probe),
-    /** Shows the outputs of the patch, and connects another one if the present one is missing. */
-    update({ outputs }, otherwise) {
+    /**
+     * Shows the outputs of the patch, and connects another one if the present one is missing. A session that has opened
+     * a patch has forgotten the connection.
+     */
+    update({ outputs, undo }, otherwise) {
       const form = JSON.stringify(outputs.map(({ name, signal }) => [name, signal]));
-      isAsked = false;
-      if (form === drawn) return;
+      if (form === drawn && undo !== null) return;
       drawn = form;
       const before = list.value;
       list.replaceChildren(el('option', { value: '' }, 'not connected'), ...outputs.map(({ name, signal }) =>
@@ -96,11 +98,6 @@ function meterOf(title, symbol, full, connect) {
       choose(outputs.some(({ name }) => name === before) ? before : otherwise ?? '');
     },
     show(value, fraction, words) {
-      // A session that has opened another patch has forgotten the connection.
-      if (Number.isNaN(value) && list.value && !isAsked) {
-        isAsked = true;
-        choose(list.value);
-      }
       move(fraction);
       const now = performance.now();
       if (now - last < DIGITS) return;
@@ -133,10 +130,9 @@ function nullMeter() {
   let [full, output, divider, pot] = [10, null, 0, null];
   const connect = () => send({ command: 'null-meter', output, divider });
   const place = el('div', { class: 'meter-pot' });
-  const meter = meterOf('Null meter', '0', full, (name) => {
+  const meter = meterOf('Null meter', 'V', full, (name) => {
     output = name;
     pot = potCard(name, state.patch);
-    pot?.update(potView(pot, state.patch), state.patch);
     place.replaceChildren(pot?.node ?? 'If you choose a pot, its dial is here.');
     connect();
   });
@@ -153,8 +149,7 @@ function nullMeter() {
   on('machine', ({ mode }) => potSet.setAttribute('aria-pressed', mode === 'pot-set'));
   on('patch', (patch) => {
     meter.update(patch);
-    const view = pot && potView(pot, patch);
-    if (view) pot.update(view, patch);
+    pot?.refresh(patch);
   });
   on('frame', ({ nullMeter: volts }) => meter.show(volts, volts / full, () => (Math.abs(volts) < 0.005 ? 'at zero' : '')));
   const range = ([text, volts]) => el('label', {}, el('input', {
