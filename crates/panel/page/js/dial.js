@@ -90,7 +90,7 @@ function drawing(isMany) {
 }
 
 /** Reads a number as in JSON, and perhaps its unit. Returns the number, or what is wrong. */
-export function typed(text, unit) {
+function typed(text, unit) {
   const [, number, suffix] = /^\s*(-?(?:0|[1-9]\d*)(?:\.\d+)?(?:e[+-]?\d+)?)\s*((?![\d.,]).*?)\s*$/i.exec(text) ?? [];
   if (number === undefined) return `"${text.trim()}" is not a number. Write it as 2.5, -3 or 1e-3.`;
   if (!suffix || suffix === unit) return Number(number);

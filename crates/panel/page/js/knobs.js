@@ -12,14 +12,10 @@ const GROUPS = ['Parameters', 'Pots', 'Switches', 'Initial conditions and other 
 const opened = new Map();
 /** The keys of settings whose formula may be replaced. */
 const unlocked = new Set();
-/** @type {Map<string, Card>} */
+/** The cards of the controls, by their keys. */
 const cards = new Map();
 let openedFile = '';
-
-/**
- * @typedef {{key: string, place: any, view: any, title: string, about: string, unit: string, group?: number}} Control
- * @typedef {{node: HTMLElement, place: any, update: (view: any, patch: any) => void}} Card
- */
+let controls = [];
 
 const keyOf = ({ parameter, element, setting }) => JSON.stringify([parameter, element, setting]);
 const isFormula = ({ form, text }) => form === 'number' && text !== null && Number.isNaN(Number(text));
@@ -35,7 +31,7 @@ function isShown({ kind }, { form, name, text }) {
   return form !== 'points' && (text !== null || name === 'setting' || name === 'initial' || (kind === 'key-switch' && form === 'flag'));
 }
 
-/** @returns {Control} */
+/** The control of a setting. */
 function ofSetting(element, view, patch) {
   const place = { element: element.name, setting: view.name };
   const isPot = view.name === 'setting';
@@ -48,17 +44,18 @@ function ofSetting(element, view, patch) {
   };
 }
 
-/** All controls, and the values that they had when the patch was opened: those of a patch without a history. @returns {Control[]} */
-function controlsOf(patch) {
+/** Finds all controls, and the values that they had when the patch was opened: those of a patch without a history. */
+function take(patch) {
   const parameters = patch.parameters.map((view) => {
     const place = { parameter: view.name };
     return { key: keyOf(place), place, view, title: view.name, about: view.description, unit: view.unit };
   });
   const settings = patch.elements.flatMap((element) => element.settings.filter((view) => isShown(element, view))
     .map((view) => ofSetting(element, view, patch)));
-  const controls = [...parameters, ...settings];
+  controls = [...parameters, ...settings];
   const file = `${patch.file}\n${patch.title}`;
   if (patch.undo === null || file !== openedFile) opened.clear();
+  if (file !== openedFile) unlocked.clear();
   openedFile = file;
   for (const control of controls) {
     const { key, place, view } = control;
@@ -67,8 +64,9 @@ function controlsOf(patch) {
     const other = typeof opened.get(key) === 'string' ? 4 : place.setting === 'setting' ? 1 : 3;
     control.group = place.parameter ? 0 : view.form === 'number' ? other : 2;
   }
-  return controls;
 }
+// Before any other listener, because a pot at the null meter also has a value to which it is reset.
+on('patch', take);
 
 /** Marks these controls and moves the page to the first one. */
 function show(keys) {
@@ -133,12 +131,12 @@ function switchOf({ title, view }, set) {
     update({ name, value }) {
       isOn = value === 1;
       toggle.setAttribute('aria-checked', isOn);
-      word.textContent = isOn ? name : `not ${name}`;
+      word.textContent = isOn ? name : { closed: 'open' }[name] ?? `not ${name}`;
     },
   };
 }
 
-/** @param {Control} control @returns {Card} */
+/** A card with the title of a control, the control, and a button that resets it. */
 function cardOf(control) {
   const { key, place, title, about, view } = control;
   const set = (value) => send(place.parameter ? { command: 'parameter', name: title, value } : { command: 'setting', ...place, value });
@@ -170,7 +168,8 @@ export function potCard(output, patch) {
   return { node, refresh };
 }
 
-function build(root, controls) {
+/** Draws all groups. */
+function build(root) {
   cards.clear();
   for (const control of controls) cards.set(control.key, cardOf(control));
   const groups = GROUPS.map((heading, group) => {
@@ -198,15 +197,15 @@ export function mountKnobs(root) {
   let drawn = '';
   root.classList.add('knobs');
   on('patch', (patch) => {
-    const controls = controlsOf(patch);
     // Cards are kept while their controls are the same: a dial that is being turned must stay.
     const form = JSON.stringify(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]));
-    if (form !== drawn) build(root, controls);
+    if (form !== drawn) build(root);
     drawn = form;
     for (const { key, view } of controls) cards.get(key).update(view, patch);
   });
   on('highlight', (to) => {
     for (const { node, place: { parameter, element, setting } } of cards.values()) {
+      node.classList.remove('is-marked');
       node.classList.toggle('is-lit', parameter ? to?.parameter === parameter : to?.element === element && (to.setting ?? setting) === setting);
     }
   });
