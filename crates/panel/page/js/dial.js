@@ -107,7 +107,7 @@ export function dial(options) {
   const { label, unit, perTurn, digits } = options;
   const scale = scaleOf(options);
   const parts = drawing(Boolean(perTurn));
-  let [shown, latest, position, open, ends] = [NaN, NaN, 0, 0, ''];
+  let [shown, latest, position, open, ends] = [NaN, undefined, 0, 0, ''];
   let [isQueued, isEdited, isRefused, isLocked] = [false, false, false, false];
   let drag = null;
 
@@ -148,7 +148,7 @@ export function dial(options) {
   function show(value) {
     const isNews = !Object.is(latest, value ?? NaN);
     latest = value ?? NaN;
-    if (drag || isQueued || open || (isRefused && !isNews)) return;
+    if (drag || isQueued || open || (!isNews && (isRefused || Object.is(latest, shown)))) return;
     if (isNews && !isEdited) note('');
     isRefused = false;
     draw(latest);
