@@ -123,7 +123,7 @@ export function dial(options) {
     ends = `${low} ${high}`;
     [low, high].forEach((end, index) => {
       const text = format(end, 3);
-      parts.ends[index].textContent = (text.length > 6 ? end.toExponential().replace('e+', 'e') : text).replace(/^-/, '−');
+      parts.ends[index].textContent = (text.replace('-', '').length > 6 ? end.toExponential().replace('e+', 'e') : text).replace(/^-/, '−');
       knob.setAttribute(`aria-value${index ? 'max' : 'min'}`, end);
     });
     parts.long.setAttribute('stroke-dasharray', dashes(marks(scale, true), 0.006));

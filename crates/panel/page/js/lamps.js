@@ -10,7 +10,7 @@ const MANY = 24;
 export function mountLamps(root) {
   let lamps = [];
   let drawn = '';
-  let told = '';
+  let listed = '';
   const grid = el('div', { class: 'lamp-grid' });
   const list = el('ol', { class: 'lamp-list' });
   const status = el('p', { class: 'lamp-status', role: 'status' });
@@ -38,8 +38,8 @@ export function mountLamps(root) {
   });
   on('machine', ({ overloads }) => {
     const text = JSON.stringify(overloads);
-    if (text === told) return;
-    told = text;
+    if (text === listed) return;
+    listed = text;
     const words = overloads.map(({ element, time, caused_by: cause }) => `${element} at ${quantity(time, 's')}${cause ? `, caused by ${cause}` : ''}`);
     status.textContent = words.length ? `Overload. First: ${words[0]}.` : 'No overload.';
     list.replaceChildren(...words.map((word, index) => el('li', {}, button(word, seek(overloads[index].element)))));
