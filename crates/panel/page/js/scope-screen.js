@@ -1,0 +1,431 @@
+/** Draws the screen of a scope: graticule, traces against time and X-Y curves with the brightness of a phosphor. */
+
+import { format } from './dom.js';
+
+/** Divisions of the screen. */
+export const [ACROSS, UP] = [10, 8];
+/** Volts at which amplifiers overload. */
+const FULL_SCALE = 100 * (1 - 1e-6);
+/** Levels of brightness. The one above the brightest is for overload. */
+const LEVELS = 8;
+/** Brightness of finished traces. */
+const DIM = 0.4;
+/** Seconds in which a finished curve fades if it is not stored. */
+const AFTERGLOW = 0.5;
+/** Milliseconds between traces below which the finished one is as bright as the present one. */
+const STEADY = 300;
+/** What remains of a faded trace, and the part that one step removes: smaller steps would leave a rest in 8 bits. */
+const [FADED, FADE] = [0.03, 0.1];
+/** Least brightness of a long curve, so that its newest part is visible. */
+const LEAST_EXPOSURE = 0.1;
+
+const lows = new Float32Array(1 << 13);
+const highs = new Float32Array(1 << 13);
+const levels = new Float32Array(1 << 13);
+
+/** A quantity for reading: "20 µs", "−4.2 mm". */
+export function si(value, unit, digits = 3) {
+  if (!Number.isFinite(value)) return '—';
+  const most = { V: 0, s: 0, Hz: 2 }[unit];
+  const thousands = most === undefined || value === 0 ? 0 : Math.floor(Math.log10(Math.abs(value) * (1 + 1e-9)) / 3);
+  const power = Math.max(-4, Math.min(most ?? 0, thousands));
+  const name = ['p', 'n', 'µ', 'm', '', 'k', 'M'][power + 4] + (unit === '1' ? '' : unit);
+  return `${format(value / 1000 ** power, digits)}${name && '\u202f'}${name}`.replace('-', '−');
+}
+
+/** Name of an output with the quantity that it stands for. */
+export const nameOf = ({ name, signal }) => (signal && signal !== name ? `${signal} at ${name}` : name);
+
+/** Volts, and what they stand for. `per` is "/div" or empty. */
+export function reading(volts, output, per = '', digits = 4) {
+  const units = output.signal && Number.isFinite(volts) ? ` = ${si(volts * output.per_volt, output.unit, digits)}${per}` : '';
+  return `${si(volts, 'V', digits)}${per}${per ? units.replace('−', '') : units}`;
+}
+
+/** Colours of a scope from the theme. */
+function palette(element) {
+  const style = getComputedStyle(element);
+  const get = (name) => style.getPropertyValue(`--${name}`).trim();
+  return {
+    grid: get('grid'), ink: get('scope-ink'), bad: get('scope-bad'), traces: [get('trace-1'), get('trace-2')], dark: true,
+    font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8,
+  };
+}
+
+/** Place of the graticule in device pixels. Divisions are square, so that a circle in X-Y is a circle. */
+export function layout(width, height, ratio, margin) {
+  const division = Math.max(4, Math.floor(Math.min((width - 1.4 * margin) / ACROSS, (height - 2 * margin) / UP)));
+  const [across, up] = [ACROSS * division, UP * division];
+  return { width, height, ratio, division, across, up, x: Math.round((width - across) / 2), y: Math.round((height - up) / 2) };
+}
+
+/** Pixels per volt and the pixel of 0 V, for both channels. */
+export function scales({ x, y, across, up, division }, { display, channels }) {
+  return channels.map(({ inverted, volts_per_division: volts, centre }, channel) => {
+    const isX = display === 'plane' && channel === 0;
+    const gain = ((isX === inverted ? -1 : 1) * division) / volts;
+    return { isX, gain, zero: (isX ? x + across / 2 : y + up / 2) - gain * centre };
+  });
+}
+
+/** Limits drawing to the graticule. */
+function clip(context, { x, y, across, up, ratio }) {
+  context.save();
+  context.beginPath();
+  context.rect(x, y, across + ratio, up + ratio);
+  context.clip();
+}
+
+/** Draws graticule, overload zones and the readings of the axes. */
+export function drawGrid(context, view, colours, model) {
+  const { x, y, across, up, division, ratio } = view;
+  const { controls, outputs, span, trace } = model;
+  const lines = (colour, alpha, list) => {
+    context.globalAlpha = alpha;
+    context.strokeStyle = colour;
+    context.lineWidth = ratio;
+    context.beginPath();
+    for (const [x1, y1, x2, y2] of list) {
+      context.moveTo(x1, y1);
+      context.lineTo(x2, y2);
+    }
+    context.stroke();
+  };
+  const [cx, cy] = [x + across / 2 + ratio / 2, y + up / 2 + ratio / 2];
+  const range = (count) => Array.from({ length: count + 1 }, (_, at) => at);
+  const column = (at) => x + at * division + ratio / 2;
+  const row = (at) => y + at * division + ratio / 2;
+  context.clearRect(0, 0, view.width, view.height);
+  lines(colours.grid, 1, [...range(ACROSS).map((at) => [column(at), y, column(at), y + up]),
+    ...range(UP).map((at) => [x, row(at), x + across, row(at)])]);
+  const tick = 3 * ratio;
+  lines(colours.ink, 0.5, [[cx, y, cx, y + up], [x, cy, x + across, cy],
+    ...range(5 * ACROSS).map((at) => [column(at / 5), cy - tick, column(at / 5), cy + tick]),
+    ...range(5 * UP).map((at) => [cx - tick, row(at / 5), cx + tick, row(at / 5)])]);
+
+  clip(context, view);
+  const places = scales(view, controls);
+  places.forEach(({ isX, gain, zero }, channel) => {
+    for (const limit of outputs[channel] ? [FULL_SCALE, -FULL_SCALE] : []) {
+      const edge = zero + gain * limit;
+      const [start, end] = isX ? [x, x + across] : [y, y + up];
+      const depth = gain * limit > 0 ? Math.max(edge, end) : Math.min(edge, start);
+      if (depth === edge) continue;
+      context.save();
+      context.beginPath();
+      if (isX) context.rect(Math.min(edge, depth), y, Math.abs(depth - edge), up);
+      else context.rect(x, Math.min(edge, depth), across, Math.abs(depth - edge));
+      context.clip();
+      // The channels slant differently, so that both remain visible where they overlap.
+      lines(colours.bad, 0.4, [isX ? [edge, y, edge, y + up] : [x, edge, x + across, edge],
+        ...range(Math.ceil((across + up) / (9 * ratio))).map((at) => (channel === 0
+          ? [x - up + 9 * ratio * at, y + up, x + 9 * ratio * at, y] : [x - up + 9 * ratio * at, y, x + 9 * ratio * at, y + up]))]);
+      context.restore();
+    }
+  });
+  context.restore();
+
+  const size = colours.size * ratio;
+  const isPlane = controls.display === 'plane';
+  const text = (content, align, tx, ty, colour = colours.ink) => {
+    context.textAlign = align;
+    context.fillStyle = colour;
+    context.fillText(content, tx, ty, 0.48 * across);
+  };
+  context.globalAlpha = 1;
+  context.font = `${size}px ${colours.font}`;
+  outputs.forEach((output, channel) => {
+    if (!output) return;
+    const colour = isPlane ? colours.ink : colours.traces[channel];
+    const scale = reading(controls.channels[channel].volts_per_division, output, '/div', 3);
+    text(`${isPlane ? 'XY'[channel] : channel + 1}  ${nameOf(output)}  ${scale}`, channel ? 'right' : 'left', channel ? x + across : x, y - 0.55 * size, colour);
+    const { zero } = places[channel];
+    if (isPlane || zero < y || zero > y + up) return;
+    // The mark of 0 V.
+    context.beginPath();
+    for (const [dx, dy] of [[0, 0], [-0.6, -0.4], [-0.6, 0.4]]) context.lineTo(x + dx * size, zero + dy * size);
+    context.fill();
+  });
+  const bottom = y + up + 1.25 * size;
+  if (!isPlane) {
+    text(`t = ${si(trace.left, 's', 4)}`, 'left', x, bottom);
+    text(`${si(span / ACROSS, 's')}/div`, 'center', cx, bottom);
+    text(si(trace.left + span, 's', 4), 'right', x + across, bottom);
+  }
+}
+
+/** The beam: lines with a brightness. Lines of one brightness that follow each other are one path. */
+class Beam {
+  begin(context, view, colours, colour, strength) {
+    Object.assign(this, { context, view, colours, colour, strength, level: -1 });
+    clip(context, view);
+    context.lineJoin = 'round';
+  }
+
+  line(x1, y1, x2, y2, level) {
+    if (level !== this.level || this.lines > 200) {
+      this.paint();
+      this.level = level;
+      this.x = NaN;
+      this.context.beginPath();
+    }
+    if (x1 !== this.x || y1 !== this.y) this.context.moveTo(x1, y1);
+    this.context.lineTo(x2, y2);
+    [this.x, this.y, this.lines] = [x2, y2, this.lines + 1];
+  }
+
+  paint() {
+    const { context, view, level } = this;
+    this.lines = 0;
+    if (level < 0) return;
+    const bright = this.strength * (0.22 + (0.78 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
+    context.strokeStyle = level === LEVELS ? this.colours.bad : this.colour;
+    if (this.colours.dark && bright > 0.3) {
+      context.lineWidth = 6 * view.ratio;
+      context.globalAlpha = 0.25 * (bright - 0.3);
+      context.stroke();
+    }
+    context.lineWidth = 1.6 * view.ratio;
+    context.globalAlpha = bright;
+    context.stroke();
+  }
+
+  end() {
+    this.paint();
+    this.context.restore();
+  }
+}
+
+const beam = new Beam();
+
+/**
+ * Draws a trace against time. A smooth trace is a line through the middles of its columns. A column that reaches
+ * beyond this line (noise, an edge) is a bar. The longer the way of the beam in a column, the darker it is.
+ */
+function drawColumns(context, view, colours, model, columns, channel, from, to, strength) {
+  const { gain, zero } = scales(view, model.controls)[channel];
+  const width = view.across / model.trace.total;
+  const middle = (at) => (lows[at] + highs[at]) / 2;
+  let bright = LEVELS;
+  for (let at = from; at < to; at += 1) {
+    const [low, high] = [columns[2 * at], columns[2 * at + 1]];
+    const [one, other] = [zero + gain * low, zero + gain * high];
+    [lows[at], highs[at]] = low <= high ? [Math.min(one, other), Math.max(one, other)] : [NaN, NaN];
+    const way = Math.max(highs[at] - lows[at], at > from ? Math.abs(middle(at) - middle(at - 1)) || 0 : 0);
+    const level = LEVELS - 1 - 0.8 * Math.log2(Math.hypot(width, way) / width);
+    // Brightness follows slowly, so that a smooth trace is not a chain of pieces.
+    if (Math.abs(level - bright) > 0.9) bright = Math.max(0, Math.round(level)) || 0;
+    levels[at] = model.lit[channel] && (high >= FULL_SCALE || low <= -FULL_SCALE) ? LEVELS : Math.min(bright, LEVELS - 1);
+  }
+  const [dash, period] = channel === 1 ? [10 * view.ratio, 14 * view.ratio] : [0, 1];
+  let way = 0;
+  beam.begin(context, view, colours, colours.traces[channel], strength);
+  for (let at = from; at < to; at += 1) {
+    const here = middle(at);
+    if (here !== here) continue;
+    const x = view.x + (at + 0.5) * width;
+    const before = at > from ? middle(at - 1) : NaN;
+    const after = at + 1 < to ? middle(at + 1) : NaN;
+    const length = Math.hypot(width, here - before);
+    // The second channel is dashed along its way.
+    if (length === length && (dash === 0 || length > dash || way % period < dash)) beam.line(x - width, before, x, here, levels[at]);
+    way += length || 0;
+    const [start, end] = [(before + here) / 2 || here, (after + here) / 2 || here];
+    const isAlone = before !== before && after !== after;
+    if (isAlone || lows[at] < Math.min(start, here, end) - view.ratio || highs[at] > Math.max(start, here, end) + view.ratio) {
+      beam.line(x, lows[at], x, highs[at] + (isAlone ? view.ratio : 0), levels[at]);
+    }
+  }
+  beam.end();
+}
+
+/** Draws X-Y curves. It keeps the place of the beam, so that a curve can be drawn as it grows. */
+class Pen {
+  constructor() {
+    this.reset();
+  }
+
+  reset() {
+    this.x = this.y = NaN;
+    this.seconds = this.time = this.way = this.level = 0;
+    this.exposure = 1;
+  }
+
+  /** A long curve is drawn darker, so that it shows where it is dense. What is already drawn follows. */
+  expose(context, view) {
+    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (5 * this.way * view.ratio) / (view.across * view.up)));
+    if (exposure > 0.7 * this.exposure) return;
+    darken(context, view, 1 - exposure / this.exposure);
+    this.exposure = exposure;
+  }
+
+  draw(context, view, colours, model, from, to, strength) {
+    const [across, up] = scales(view, model.controls);
+    const { points } = model.trace;
+    const isLit = model.lit[0] || model.lit[1];
+    this.expose(context, view);
+    beam.begin(context, view, colours, colours.traces[0], strength * this.exposure);
+    for (let at = 3 * from; at < 3 * to; at += 3) {
+      const [x, y] = [across.zero + across.gain * points[at], up.zero + up.gain * points[at + 1]];
+      this.seconds = Math.max(0, this.seconds + points[at + 2]);
+      if (points[at + 2] < 0 || this.x !== this.x) [this.x, this.y, this.seconds] = [x, y, 0];
+      const length = Math.hypot(x - this.x, y - this.y);
+      if (length < 0.8 * view.ratio) continue;
+      this.time += this.seconds;
+      this.way += length;
+      // The usual pace has medium brightness.
+      const level = 4.5 + 1.5 * Math.log2((this.seconds * this.way) / (length * this.time) || 1);
+      if (Math.abs(level - this.level) > 0.7) this.level = Math.round(Math.min(LEVELS - 1, Math.max(0, level)));
+      const isOver = isLit && Math.max(Math.abs(points[at]), Math.abs(points[at + 1])) >= FULL_SCALE;
+      beam.line(this.x, this.y, x, y, isOver ? LEVELS : this.level);
+      [this.x, this.y, this.seconds] = [x, y, 0];
+    }
+    beam.end();
+  }
+}
+
+function darken(context, view, alpha) {
+  context.globalAlpha = alpha;
+  context.globalCompositeOperation = 'destination-out';
+  context.fillRect(view.x, view.y, view.across + 2, view.up + 2);
+  context.globalCompositeOperation = 'source-over';
+}
+
+/** The present trace, and the one before where the present one has not arrived. */
+function drawLive(context, view, colours, model) {
+  const { total, reached, period, columns } = model.trace;
+  const isSteady = period < STEADY;
+  const next = reached + (isSteady || reached === 0 ? 0 : Math.ceil(total / 100));
+  columns.forEach((each, channel) => {
+    if (!model.outputs[channel]) return;
+    if (next < total) drawColumns(context, view, colours, model, each, channel, next, total, isSteady ? 1 : DIM);
+    if (reached > 0) drawColumns(context, view, colours, model, each, channel, 0, reached, 1);
+  });
+}
+
+function drawStored(context, view, colours, model, entry) {
+  const { persistence } = model.controls;
+  const strength = persistence > 0 ? DIM * FADED ** ((model.trace.clock - entry.at) / persistence) : DIM;
+  entry.columns.forEach((each, channel) => drawColumns(context, view, colours, model, each, channel, 0, model.trace.total, strength));
+}
+
+/** Draws all traces: finished ones on one layer, the present one on another, or both on one. */
+export function drawTraces(old, live, view, colours, model, pen = new Pen()) {
+  const { trace } = model;
+  if (trace.plane) {
+    pen.draw(old, view, colours, model, 0, trace.finished, DIM);
+    // Parts, so that the brightness of a long curve is adapted on the way.
+    for (let at = trace.finished; at < trace.count; at += 2000) {
+      pen.draw(live, view, colours, model, at, Math.min(at + 2000, trace.count), 1);
+    }
+  } else {
+    for (const entry of trace.stored) drawStored(old, view, colours, model, entry);
+    drawLive(live, view, colours, model);
+  }
+}
+
+/** The layers of a screen: graticule, finished traces, present trace. A layer is drawn only if it has changed. */
+export class Screen {
+  view = layout(10, 10, 1, 1);
+  isStale = true;
+  pen = new Pen();
+  begun = 0;
+  /** Points of the present curve, and stored traces, that are drawn. */
+  drawn = 0;
+  newest = null;
+  /** The clock of the trace at the last step of fading. */
+  faded = 0;
+
+  constructor(box, canvases) {
+    [this.grid, this.old, this.live] = canvases.map((canvas) => canvas.getContext('2d'));
+    this.box = box;
+  }
+
+  resize() {
+    const ratio = window.devicePixelRatio || 1;
+    const [width, height] = [Math.round(this.box.clientWidth * ratio), Math.round(this.box.clientHeight * ratio)];
+    this.colours = palette(this.box);
+    this.view = layout(width, height, ratio, 1.9 * this.colours.size * ratio);
+    for (const { canvas } of [this.grid, this.old, this.live]) if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    this.isStale = true;
+  }
+
+  clear(context) {
+    context.clearRect(0, 0, this.view.width, this.view.height);
+  }
+
+  /** Draws what has changed since the last time. */
+  draw(model) {
+    const { view, colours, old, live, pen } = this;
+    const { trace } = model;
+    if (this.isStale || this.left !== trace.left) drawGrid(this.grid, view, colours, model);
+    if (this.isStale || this.version !== trace.version) {
+      this.clear(old);
+      this.clear(live);
+      pen.reset();
+      drawTraces(old, live, view, colours, model, pen);
+      this.faded = trace.clock;
+    } else {
+      this.fade(model);
+      if (this.changes === trace.changes) return;
+      if (trace.plane) {
+        this.extend(model);
+      } else {
+        const newest = trace.stored.at(-1);
+        if (newest && newest !== this.newest) drawStored(old, view, colours, model, newest);
+        this.clear(live);
+        drawLive(live, view, colours, model);
+      }
+    }
+    this.isStale = false;
+    trace.replaced = 0;
+    [this.left, this.version, this.changes, this.begun] = [trace.left, trace.version, trace.changes, trace.begun];
+    [this.newest, this.drawn] = [trace.stored.at(-1), trace.count - trace.finished];
+  }
+
+  /** Draws the new points of a curve. */
+  extend(model) {
+    const { trace } = model;
+    if (this.begun !== trace.begun) {
+      this.old.globalAlpha = DIM;
+      this.old.drawImage(this.live.canvas, 0, 0);
+      this.clear(this.live);
+      this.pen.reset();
+      this.drawn = 0;
+    } else {
+      this.pen.seconds -= trace.replaced;
+    }
+    const from = trace.replaced > 0 ? this.drawn - 1 : this.drawn;
+    this.pen.draw(this.live, this.view, this.colours, model, trace.finished + Math.max(0, from), trace.count, 1);
+  }
+
+  /** Fades finished traces, and curves behind the spot. */
+  fade({ trace, controls }) {
+    const { plane, clock } = trace;
+    const seconds = controls.persistence || (plane && !controls.store ? AFTERGLOW : Infinity);
+    const step = seconds * (Math.log(1 - FADE) / Math.log(FADED));
+    if (seconds === Infinity || clock < this.faded) this.faded = clock;
+    if (clock - this.faded < step) return;
+    const left = (1 - FADE) ** ((clock - this.faded) / step);
+    this.faded = clock;
+    darken(this.old, this.view, 1 - left);
+    if (!plane || controls.persistence === 0) return;
+    darken(this.live, this.view, 1 - left);
+    this.pen.time *= left;
+    this.pen.way *= left;
+  }
+
+  /** Place of a channel's spot in CSS pixels; null if it is not on the screen. */
+  spot({ trace, controls, outputs }, channel) {
+    const { view } = this;
+    let [x, y] = channel === 0 ? [this.pen.x, this.pen.y] : [NaN, NaN];
+    if (!trace.plane) {
+      if (!outputs[channel] || trace.reached === 0 || trace.reached >= trace.total || trace.period < STEADY) return null;
+      const { gain, zero } = scales(view, controls)[channel];
+      x = view.x + (view.across * trace.reached) / trace.total;
+      y = zero + gain * trace.valueAt(channel, (trace.reached - 0.5) / trace.total);
+    }
+    const isInside = x >= view.x && x <= view.x + view.across && y >= view.y && y <= view.y + view.up;
+    return isInside ? [x / view.ratio, y / view.ratio] : null;
+  }
+}
