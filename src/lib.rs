@@ -166,6 +166,7 @@
 //! * `native` (default): long runs are compiled to native code. Without it every run is interpreted, with
 //!   bit-identical results.
 //! * `cli` (default): builds the command `patchcord`. A program that uses only the library can switch it off.
+//! * `panel` (default): adds the command `patchcord panel`, the front panel in a browser.
 
 #![forbid(unsafe_code)]
 

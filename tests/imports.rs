@@ -10,12 +10,13 @@ use crate::docs::sources;
 
 /// The crates in order. Each may depend on earlier ones, except that [`INDEPENDENT`] crates do not depend on each
 /// other.
-const CRATES: [&str; 7] = ["expr", "core", "equations", "analysis", "draw", "ident", "thesis"];
+const CRATES: [&str; 9] =
+    ["expr", "core", "equations", "analysis", "draw", "panel", "server", "ident", "thesis"];
 /// Crates that do not depend on each other.
 const INDEPENDENT: [&str; 2] = ["ident", "thesis"];
 
 /// The top-level modules of each crate in order. Each may import earlier ones.
-const MODULES: [(&str, &[&str]); 7] = [
+const MODULES: [(&str, &[&str]); 9] = [
     ("expr", &["number_text", "function", "units", "formula"]),
     (
         "core",
@@ -78,6 +79,29 @@ const MODULES: [(&str, &[&str]); 7] = [
             "sensitivity",
             "bode",
             "schematic",
+        ],
+    ),
+    (
+        "panel",
+        &[
+            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places", "document", "view",
+            "session",
+        ],
+    ),
+    (
+        "server",
+        &[
+            "limits",
+            "token",
+            "names",
+            "headers",
+            "browsers",
+            "session_thread",
+            "socket",
+            "host",
+            "routes",
+            "connections",
+            "server",
         ],
     ),
     (

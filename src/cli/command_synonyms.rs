@@ -6,16 +6,21 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 /// What people write, in lower case, and the tip.
-const COMMANDS: [(&[&str], &str); 13] = [
+const COMMANDS: &[(&[&str], &str)] = &[
     (
         &["plot", "scope", "curves", "picture"],
         "'patchcord run PATCH --plot FILE.svg' draws the curves of a run, \
          'patchcord draw PATCH --plot FILE.svg' the schematic",
     ),
     (
-        &["graph", "diagram", "schematic", "render", "show", "view", "panel"],
+        &["graph", "diagram", "schematic", "render", "show", "view"],
         "'patchcord draw PATCH --plot FILE.svg' draws the schematic, \
          'patchcord run PATCH --plot FILE.svg' the curves of a run",
+    ),
+    #[cfg(feature = "panel")]
+    (
+        &["gui", "ui", "open", "edit", "browser", "web", "serve", "server", "interactive", "live"],
+        "'patchcord panel PATCH' opens the front panel in a browser",
     ),
     (
         &["simulate", "sim", "start", "exec", "execute", "solve", "integrate", "operate"],

@@ -45,6 +45,8 @@ mod numbers;
 mod option_synonyms;
 mod outputs;
 mod overloads;
+#[cfg(feature = "panel")]
+mod panel;
 mod phases;
 mod pictures;
 mod profile;
@@ -121,6 +123,9 @@ enum Command {
     Profile(profile::Arguments),
     /// Compare a patch with measured data, find the effect that it lacks, and write a patch with this effect
     Gap(gap::Arguments),
+    /// Open the front panel in a browser: turn pots, move cords, operate, and watch the scopes
+    #[cfg(feature = "panel")]
+    Panel(panel::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
     /// Print the equations that the wiring of a patch solves, as text or LaTeX
@@ -187,6 +192,8 @@ fn run_command(command: &Command) -> Result<(), Failure> {
         Command::Slideway(arguments) => slideway::slideway(arguments),
         Command::Profile(arguments) => profile::profile(arguments),
         Command::Gap(arguments) => gap::gap(arguments),
+        #[cfg(feature = "panel")]
+        Command::Panel(arguments) => panel::panel(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
         Command::Equations(arguments) => equations::equations(arguments),
         Command::Linearise(arguments) => linearise::linearise(arguments),

@@ -15,6 +15,8 @@ mod long_tables;
 mod macros;
 mod man;
 mod new;
+#[cfg(feature = "panel")]
+mod panel;
 mod phases;
 mod pictures;
 mod profile;

@@ -9,7 +9,7 @@ use patchcord::elements::REGISTRY;
 use patchcord::thesis::replay::{Figure, figures};
 
 /// The names of all commands.
-pub(crate) const COMMAND_NAMES: [&str; 17] = [
+pub(crate) const COMMAND_NAMES: [&str; 18] = [
     "check",
     "completions",
     "draw",
@@ -21,6 +21,7 @@ pub(crate) const COMMAND_NAMES: [&str; 17] = [
     "machines",
     "man",
     "new",
+    "panel",
     "profile",
     "replay",
     "run",
@@ -53,13 +54,14 @@ fn command_word(random: &mut SplitMix64) -> &'static str {
 
 /// A command that reads no document and computes nothing.
 pub(crate) fn other_case(random: &mut SplitMix64) -> Case {
-    let arguments = match random.below(10) {
+    let arguments = match random.below(11) {
         0 | 1 => new_command(random),
         2 | 3 => catalogue_command(random),
         4 => machines_command(random),
         5 => completions_command(random),
         6 => man_command(random),
         7 | 8 => refused_figure_command(random),
+        9 => refused_panel_command(random),
         _ => help_command(random),
     };
     Case::of(Files::from([(EXISTING.to_owned(), b"{}\n".to_vec())]), arguments)
@@ -123,6 +125,18 @@ fn man_command(random: &mut SplitMix64) -> Vec<String> {
         _ => (),
     }
     words
+}
+
+/// `panel` with an option or a patch that it refuses. Otherwise it would not end.
+fn refused_panel_command(random: &mut SplitMix64) -> Vec<String> {
+    let lines: [&[&str]; 5] = [
+        &["panel", "--no-open", "--port", "0", "no-such-file.json"],
+        &["panel", "--no-open", "--port", "65536"],
+        &["panel", "--no-open", "--address", "nowhere"],
+        &["panel", "--no-open", "--address", "203.0.113.1"],
+        &["panel", "--no-open", "--open"],
+    ];
+    line(random.choose(&lines))
 }
 
 /// A help text, or the message about a command that does not exist.

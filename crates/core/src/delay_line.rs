@@ -175,6 +175,14 @@ impl DelayLine {
         self.take_arrivals(time);
     }
 
+    /// Takes over the past of another line at a problem time. The delay stays.
+    pub(crate) fn take_past_of(&mut self, other: &DelayLine, time: f64) {
+        self.past.clone_from(&other.past);
+        self.discontinuities.clone_from(&other.discontinuities);
+        (self.search_start, self.segment) = (0, None);
+        self.take_arrivals(time);
+    }
+
     /// Forgets all past inputs, for a new initial condition.
     pub(crate) fn clear(&mut self) {
         self.past.clear();

@@ -61,6 +61,8 @@ pub enum CordEnd {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "command", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Command {
+    /// Asks for everything. The answer begins with the event `hello`.
+    Hello,
     /// Replaces the patch by this text. The history begins again.
     Open {
         /// Name of the file, for messages.

@@ -34,6 +34,14 @@ pub enum Event {
     },
     /// The patch has changed. Everything about it is here.
     Patch(Box<PatchView>),
+    /// A parameter has another value. The event `patch` with everything that follows from it comes later, when no
+    /// parameter is turned.
+    Parameter {
+        /// Its name.
+        name: String,
+        /// Its value in the declared unit.
+        value: f64,
+    },
     /// The findings of the checker about the present patch; empty if there is nothing to report.
     Findings {
         /// The findings, in the order of the text.

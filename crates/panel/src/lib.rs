@@ -6,6 +6,15 @@
 #![forbid(unsafe_code)]
 
 pub mod command;
+mod compiled;
+pub mod document;
 pub mod event;
 pub mod frame;
+pub mod pages;
+pub mod places;
 pub mod scope;
+mod session;
+pub mod view;
+mod wiring;
+
+pub use session::{Answer, Session, SessionOptions};

@@ -1,1 +1,3 @@
 //! Integration tests of the panel's session.
+
+mod session;

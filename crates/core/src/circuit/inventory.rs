@@ -34,7 +34,22 @@ fn total_count(patch: &Patch, part: Part) -> usize {
 }
 
 /// Number of parts of one type that an element uses.
-fn part_count(entry: &ElementEntry, part: Part) -> usize {
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::circuit::part_count;
+/// use patchcord_core::machines::Part;
+/// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+///
+/// let limit = serde_json::json!({"upper": 10});
+/// let limited = ElementBuilder::new("summer").cords("x1", ["+100"]).set("limit", limit);
+/// let patch = PatchBuilder::new("limited").element("A1", limited).build()?;
+/// let parts = [Part::Summer, Part::DiodePair, Part::Relay];
+/// assert_eq!(parts.map(|part| part_count(&patch.elements["A1"], part)), [1, 1, 0]);
+/// # Ok::<(), Box<patchcord_core::document::Report>>(())
+/// ```
+pub fn part_count(entry: &ElementEntry, part: Part) -> usize {
     let rows = entry.kind.parts.iter().filter(|part_use| part_use.part == part && applies(entry, part_use));
     rows.map(|part_use| part_use.count).sum()
 }

@@ -36,6 +36,7 @@ use patchcord_expr::{Formula, Unit};
 
 pub use element::{Cord, Element, EvaluationStep, SignalPoint};
 pub use equations::EquationScope;
+pub use inventory::part_count;
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
 pub use settings::{RangeCheck, RangeFault};
@@ -158,7 +159,7 @@ impl Circuit {
 
     /// The gains that the machine has at the inputs of an element, in ascending order. Empty if it has all gains.
     pub fn input_gains(&self, element: usize) -> &'static [f64] {
-        resolve::available_gains(self.machine, self.element(element).kind)
+        self.element(element).kind.available_gains(self.machine)
     }
 
     /// The warnings about the patch. If the patch was edited, its text is read again for the positions.

@@ -14,10 +14,11 @@ use super::names::{found_or_report, output_names};
 use super::scope::Quantities;
 use super::{Circuit, Cord, Element, equations, inventory, loops, macros, names, phases, settings, signals};
 use crate::document::{Code, Diagnostic, Placed, Report, Span, any_error, factor_violation, suggestion};
-use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, misplaced_key_hint};
+use crate::elements::{Input, Jacks, REFERENCE, REFERENCES, misplaced_key_hint};
 use crate::machines::{self, MachineModel};
 use crate::patch::{
-    Amount, ElementEntry, Patch, Plug, cord_hint, cord_notation, fixed_voltage_hint, no_cord, outputs_tied,
+    Amount, ElementEntry, OpenInput, Patch, Plug, cord_hint, cord_notation, fixed_voltage_hint, no_cord,
+    open_inputs, outputs_tied,
 };
 use patchcord_expr::{Formula, nearest};
 
@@ -156,35 +157,23 @@ struct CordPlugger<'a> {
 
 impl CordPlugger<'_> {
     /// Adds all cords of the element to the graph. Reports wrong jacks, unknown drivers, and inputs with too many or
-    /// too few cords.
-    ///
-    /// Cords of one jack have the same span, so they are grouped by it. If a jack or a cord is wrong, missing cords are
-    /// not reported: the wrong cord may be meant for the empty input.
+    /// too few cords. Cords of one jack have the same span, so they are grouped by it.
     fn plug_in(&self, graph: &mut Graph, findings: &mut Vec<Diagnostic>) {
-        let inputs = self.entry.kind.inputs.len();
-        let (mut plugged, mut empty) = (vec![Vec::new(); inputs], vec![None; inputs]);
-        // A cord that could not be read may be the one that is missing at an input.
-        let mut is_incomplete = self.entry.is_incomplete;
+        let mut plugged = vec![Vec::new(); self.entry.kind.inputs.len()];
         for plugs in self.entry.plugs.chunk_by(|one, next| one.jack.span == next.jack.span) {
-            match self.jack(&plugs[0].jack, Some(&plugs[0].from.value), findings) {
-                Some((input, gain)) => {
-                    self.connect(plugs, Cord { input, gain }, graph, findings);
-                    plugged[input].extend(plugs);
-                }
-                None => is_incomplete = true,
+            if let Some((input, gain)) = self.jack(&plugs[0].jack, Some(&plugs[0].from.value), findings) {
+                self.connect(plugs, Cord { input, gain }, graph, findings);
+                plugged[input].extend(plugs);
             }
         }
         for jack in &self.entry.empty_jacks {
-            match self.jack(jack, None, findings) {
-                Some((input, _)) => empty[input] = Some(jack.span),
-                None => is_incomplete = true,
-            }
+            self.jack(jack, None, findings);
         }
+        let open_inputs = open_inputs(self.entry);
         for (input, plugs) in plugged.iter().enumerate() {
             self.check_max_cords(input, plugs, findings);
-            if !is_incomplete {
-                self.check_min_cords(input, plugs, empty[input], findings);
-            }
+            let open_input = open_inputs.iter().find(|open_input| open_input.input == input);
+            findings.extend(open_input.map(|open_input| self.too_few_cords(open_input)));
         }
     }
 
@@ -273,7 +262,7 @@ impl CordPlugger<'_> {
         if let Some(finding) = factor_violation(&what, Placed { value: gain, span: jack.span }) {
             return findings.push(finding);
         }
-        let gains = available_gains(self.machine, self.entry.kind);
+        let gains = self.entry.kind.available_gains(self.machine);
         if gains.is_empty() || gains.contains(&gain) {
             return;
         }
@@ -333,30 +322,18 @@ impl CordPlugger<'_> {
         }
     }
 
-    /// Reports an input with fewer cords than it needs. `empty` is the position of a jack with an empty list of cords.
-    ///
-    /// An input that may be open needs no cord, but an empty list of cords is a fault: the user wrote the jack.
-    fn check_min_cords(
-        &self,
-        input: usize,
-        plugs: &[&Plug],
-        empty: Option<Span>,
-        findings: &mut Vec<Diagnostic>,
-    ) {
-        let row = &self.entry.kind.inputs[input];
-        let least = if let Jacks::Exactly(count) = row.jacks { count } else { 1 };
-        if (row.required || empty.is_some()) && plugs.len() < least {
-            let span = plugs.first().map(|plug| plug.from.span).or(empty).unwrap_or(self.entry.span);
-            let jacks = jack_names(row);
-            let hint = cord_hint(&cord_notation(self.entry.kind, row), row.description);
-            findings.push(match plugs.len() {
-                0 => no_cord(self.name, &jacks, hint, span),
-                count => {
-                    let message = format!("{jacks} of {} needs {least} cords and has {count}", self.name);
-                    Diagnostic::at(Code::NO_DRIVER, span, message).hint(hint)
-                }
-            });
+    /// The diagnostic for an input with fewer cords than it needs.
+    fn too_few_cords(&self, open_input: &OpenInput<'_>) -> Diagnostic {
+        let OpenInput { input, count, least, first_cord, empty_jack } = open_input;
+        let row = &self.entry.kind.inputs[*input];
+        let span = first_cord.or(*empty_jack).map_or(self.entry.span, |placed| placed.span);
+        let jacks = jack_names(row);
+        let hint = cord_hint(&cord_notation(self.entry.kind, row), row.description);
+        if *count == 0 {
+            return no_cord(self.name, &jacks, hint, span);
         }
+        let message = format!("{jacks} of {} needs {least} cords and has {count}", self.name);
+        Diagnostic::at(Code::NO_DRIVER, span, message).hint(hint)
     }
 
     /// The diagnostic for more cords than an input can take. `extra` is the first of the surplus cords.
@@ -374,11 +351,6 @@ impl CordPlugger<'_> {
 /// The jacks of an input for messages: "x1, x10, ..." or the quoted name.
 fn jack_names(input: &Input) -> String {
     if input.jacks == Jacks::Gains { input.jack_text() } else { format!("\"{}\"", input.name) }
-}
-
-/// The input gains that the machine has for a kind. Empty if it has all gains.
-pub(super) fn available_gains(machine: &MachineModel, kind: &Kind) -> &'static [f64] {
-    if kind.transfer == Transfer::Integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 
 /// Warns of elements whose output is not used, recorded or drawn.

@@ -56,7 +56,7 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, DocumentError> {
 ///
 /// # Errors
 /// If the reader reports an error, or has more than 16 MB or no UTF-8 text.
-pub(crate) fn read_text_from(reader: impl Read, file: &str) -> Result<String, DocumentError> {
+pub fn read_text_from(reader: impl Read, file: &str) -> Result<String, DocumentError> {
     text_of(all_bytes(LimitedReader::new(reader, MAX_DOCUMENT_BYTES as u64)), file)
 }
 

@@ -41,7 +41,7 @@ mod wording;
 pub use code::{Code, CodeEntry};
 pub use derivative::{derivative_name, derivative_of, derivative_unit};
 pub use diagnostic::{Diagnostic, Severity, Span, any_error};
-pub use file::{DocumentError, read_text};
+pub use file::{DocumentError, read_text, read_text_from};
 pub(crate) use formula_error::{ADVICE_WITHOUT_SCALES, check_cycles, dimension_diagnostic, unit_advice};
 pub use formula_error::{formula_diagnostic, unit_mismatch};
 pub use input_file::InputFile;

@@ -7,7 +7,7 @@ use std::fmt;
 
 use super::setting::Setting;
 use crate::ir::{Builder, Register};
-use crate::machines::Part;
+use crate::machines::{MachineModel, Part};
 
 /// One kind of computing element, drive or reference.
 pub struct Kind {
@@ -252,6 +252,25 @@ impl Kind {
     /// ```
     pub fn setting(&self, name: &str) -> Option<usize> {
         self.settings.iter().position(|setting| setting.name == name)
+    }
+
+    /// The input gains that a machine has for this kind, in ascending order. Empty if it has all gains.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::elements::{Family, find};
+    /// use patchcord_core::machines;
+    ///
+    /// let machine = machines::find("solartron-1451").expect("a machine");
+    /// let integrator = find(Family::Computing, "integrator").expect("an element");
+    /// assert_eq!(integrator.available_gains(machine), [1.0, 10.0, 100.0, 1000.0]);
+    /// ```
+    pub fn available_gains(&self, machine: &MachineModel) -> &'static [f64] {
+        match self.transfer {
+            Transfer::Integrating => machine.integrator_gains,
+            _ => machine.summer_gains,
+        }
     }
 
     /// Whether its cords are in an object "in" of jacks with gains: `"in": {"x1": ["A1"], "x10": ["P2"]}`. Other kinds

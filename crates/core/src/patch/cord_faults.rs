@@ -1,5 +1,7 @@
-//! Diagnostics about the cords into an input, for elements and for ports of macro instances.
+//! Faults of the cords into an input: inputs with too few cords, and the diagnostics for elements and for ports of macro
+//! instances.
 
+use super::document::ElementEntry;
 use crate::document::tree::{Content, KeyValue, Node};
 use crate::document::{Code, Diagnostic, Placed, Span, TypedNumber, format_number, is_allowed_factor};
 use crate::elements::{Input, Jacks, Kind, REFERENCES, misplaced_key_hint};
@@ -25,6 +27,48 @@ pub(crate) fn outputs_tied(
 /// `input` is the text for the input in messages, and `hint` is a [`cord_hint`].
 pub(crate) fn no_cord(element: &str, input: &str, hint: String, span: Span) -> Diagnostic {
     Diagnostic::at(Code::NO_DRIVER, span, format!("no cord goes into {input} of {element}")).hint(hint)
+}
+
+/// An input of an element with fewer cords than it needs.
+pub(crate) struct OpenInput<'e> {
+    /// The index of the input among those of the kind.
+    pub input: usize,
+    /// The number of cords that it has.
+    pub count: usize,
+    /// The number of cords that it needs.
+    pub least: usize,
+    /// The first of its cords.
+    pub first_cord: Option<&'e Placed<String>>,
+    /// Its jack with an empty list of cords, with the position of the list.
+    pub empty_jack: Option<&'e Placed<String>>,
+}
+
+/// The inputs of an element with fewer cords than they need.
+///
+/// An input that may be open needs no cord, but an empty list of cords is a fault: the user wrote the jack. If a jack or
+/// a cord is wrong, no input counts as open: the wrong cord may be meant for it.
+pub(crate) fn open_inputs(entry: &ElementEntry) -> Vec<OpenInput<'_>> {
+    let input_of = |jack: &Placed<String>| entry.kind.input(&jack.value).map(|(input, _)| input);
+    let plugged: Option<Vec<_>> = entry.plugs.iter().map(|plug| input_of(&plug.jack)).collect();
+    let empty: Option<Vec<_>> = entry.empty_jacks.iter().map(input_of).collect();
+    let (Some(plugged), Some(empty), false) = (plugged, empty, entry.is_incomplete) else {
+        return Vec::new();
+    };
+    let open_input = |(input, row): (usize, &Input)| {
+        let least = if let Jacks::Exactly(count) = row.jacks { count } else { 1 };
+        let count = plugged.iter().filter(|other| **other == input).count();
+        let first_cord = plugged.iter().position(|other| *other == input);
+        let empty_jack = empty.iter().rposition(|other| *other == input);
+        let is_open = (row.required || empty_jack.is_some()) && count < least;
+        is_open.then(|| OpenInput {
+            input,
+            count,
+            least,
+            first_cord: first_cord.map(|cord| &entry.plugs[cord].from),
+            empty_jack: empty_jack.map(|jack| &entry.empty_jacks[jack]),
+        })
+    };
+    entry.kind.inputs.iter().enumerate().filter_map(open_input).collect()
 }
 
 /// The hint for an input without enough cords: how to write them, and the purpose of the input if it is known.

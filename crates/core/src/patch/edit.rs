@@ -75,12 +75,12 @@ pub enum EditError {
     /// Two edits have the same path, or one path is within the other. The field is the path of the inner edit.
     #[error("{0} is edited twice")]
     OverlappingEdits(String),
-    /// The patch does not have a parameter, element, setting or drive.
+    /// The patch does not have a parameter, element, setting, drive or cord.
     #[error("there is no {noun} {name} in the patch")]
     Unknown {
-        /// The kind of object: "parameter", "element", "setting", "drive".
+        /// The kind of object: "parameter", "element", "setting", "drive", "cord".
         noun: &'static str,
-        /// The name that does not exist.
+        /// The name that does not exist. For a cord, its two ends: "from P1 into x10 of A1".
         name: String,
     },
     /// The element belongs to an instance of a macro, so it is not in the document. The field is its name.

@@ -3,9 +3,11 @@
 //! [`Patch::edit`] begins the edits. Each edit decodes the new part with the decoder for documents, so that an edited
 //! part equals one that was read. It also adds a [`DocumentEdit`] to the batch. At the end, macros are expanded again
 //! if an edit changed cords, elements or macros. Some edits have effects that the fields cannot follow; the rendered
-//! text is then read again. `parts` has the edits that add or replace parts and cords.
+//! text is then read again. `parts` has the edits that add or replace parts and cords, and `removal` those that remove
+//! them.
 
 mod parts;
+mod removal;
 
 use std::path::Path;
 
@@ -19,13 +21,14 @@ use super::render::{DocumentEdit, render};
 use super::{decode, decode_entry, table_file};
 use crate::document::fields::Findings;
 use crate::document::tree::{KeyValue, Node};
-use crate::document::{Diagnostic, Placed, Span, any_error};
+use crate::document::{Diagnostic, Placed, Span, any_error, is_allowed_factor};
 use crate::elements::SettingQuantity;
 
 /// Edits a patch: its fields immediately, and its document when the text is read.
 ///
 /// Methods named `set_` change a part that exists. Methods named `put_` add a part or replace the part with the same
-/// name. A fault in a new value is not an error here; [`Circuit::new`](crate::circuit::Circuit::new) reports it.
+/// name. Methods named `remove_` remove a part with everything that names it. A fault in a new value is not an error
+/// here; [`Circuit::new`](crate::circuit::Circuit::new) reports it.
 ///
 /// # Examples
 ///
@@ -60,7 +63,8 @@ pub struct PatchEditor {
 impl PatchEditor {
     /// The patch with the edits so far.
     ///
-    /// New elements and changed cords are in [`Patch::elements`] only after [`PatchEditor::finish`].
+    /// New elements and changed cords are in [`Patch::elements`] only after [`PatchEditor::finish`], or after the removal of
+    /// a cord, a setting or an element.
     pub fn patch(&self) -> &Patch {
         &self.patch
     }
@@ -208,6 +212,16 @@ impl PatchEditor {
     pub fn set_machine(&mut self, name: &str) {
         self.patch.machine = Some(self.placed(name));
         self.put_in_document(["machine"], name.into());
+    }
+
+    /// Sets the time scale: the machine seconds of one problem second. A value outside 1e-12 ... 1e12 is reported by
+    /// [`Circuit::new`](crate::circuit::Circuit::new).
+    pub fn set_time_scale(&mut self, value: f64) {
+        match is_allowed_factor(value) {
+            true => self.patch.time_scale = value,
+            false => self.must_reread = true,
+        }
+        self.put_in_document(["time_scale"], value.into());
     }
 
     /// Puts a value at a path of keys. If the last key does not exist, it is added at the end of its object.

@@ -5,12 +5,14 @@
 //! position, and decoding continues, so that a user sees all faults at once.
 //!
 //! [`PatchBuilder`] makes a patch in Rust. [`PatchEditor`] changes the fields of a patch and its document together;
-//! `render` then writes the edits into the text, which otherwise stays as it is.
+//! `render` then writes the edits into the text, which otherwise stays as it is. `prune` and `cut` remove parts.
+//! `grounded` plugs the open inputs of a patch to ground, so that it can run.
 //!
 //! A [`Problem`] is the document from which a patch can be made: equations with their quantities.
 
 mod builder;
 mod cord_faults;
+mod cut;
 mod decode;
 mod decode_curve;
 mod decode_entry;
@@ -20,12 +22,14 @@ mod edit;
 mod edited_text;
 mod editor;
 mod file;
+mod grounded;
 mod key_synonyms;
 mod macros;
 mod names;
 mod picture_entry;
 mod problem;
 mod product_hints;
+mod prune;
 mod render;
 mod schema;
 mod short_forms;
@@ -35,7 +39,9 @@ mod time_units;
 pub use builder::{
     ElementBuilder, MacroBuilder, ParameterBuilder, PatchBuilder, ScaleBuilder, SignalBuilder,
 };
-pub(crate) use cord_faults::{cord_hint, cord_notation, fixed_voltage_hint, no_cord, outputs_tied};
+pub(crate) use cord_faults::{
+    OpenInput, cord_hint, cord_notation, fixed_voltage_hint, no_cord, open_inputs, outputs_tied,
+};
 pub(crate) use document::UnreadNames;
 pub use document::{
     Amount, ElementEntry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Plug, RunPlan, Scale, Signal,

@@ -2,11 +2,14 @@
 //!
 //! A batch may edit one place several times, for example add two cords to one jack. [`merge_edits`] therefore first
 //! merges a batch into [`Edit`]s of different places, which hold complete values. [`splice`] then replaces the text of
-//! these places, from the end of the text to its beginning.
+//! these places, from the end of the text to its beginning. A removal is rendered alone: it needs the places in the text
+//! after all edits before it.
 
 use serde_json::{Map, Value};
 
+use super::cut::cut;
 use super::edit::{Edit, EditError};
+use super::prune::Removal;
 use crate::document::tree::{self, Content, Node};
 
 /// An edit of a document.
@@ -32,8 +35,8 @@ pub(super) enum DocumentEdit {
     },
     /// Adds a cord to a jack, after the cords that the jack has.
     AddCord {
-        /// Name of the element or the macro instance.
-        element: String,
+        /// The keys from the root of the document to the element or the macro instance.
+        element: Vec<String>,
         /// The keys from the element to the jack: ["in", "x10"] or ["bias_plus"].
         jack: Vec<String>,
         /// Name of the output that is plugged in.
@@ -41,8 +44,8 @@ pub(super) enum DocumentEdit {
     },
     /// Replaces a name in all cords into an element.
     Replug {
-        /// Name of the element or the macro instance.
-        element: String,
+        /// The keys from the root of the document to the element or the macro instance.
+        element: Vec<String>,
         /// The keys of the element whose values contain cords.
         jacks: Vec<String>,
         /// The name that is replaced.
@@ -50,6 +53,8 @@ pub(super) enum DocumentEdit {
         /// The new name.
         to: String,
     },
+    /// Removes parts of the document.
+    Remove(Removal),
 }
 
 /// Parses a text that has been parsed before, or that was rendered from such a text. It is therefore valid JSON.
@@ -62,8 +67,16 @@ pub(super) fn root_of(text: &str) -> Node {
 /// # Errors
 /// If the path of a `Put` does not exist.
 pub(super) fn render(text: &str, batch: &[DocumentEdit]) -> Result<String, EditError> {
-    let root = root_of(text);
-    splice(text, &root, &merge_edits(&root, batch)?)
+    let puts_values = |edit: &DocumentEdit| !matches!(edit, DocumentEdit::Remove(_));
+    let mut text = text.to_owned();
+    for edits in batch.chunk_by(|edit, next| puts_values(edit) && puts_values(next)) {
+        let root = root_of(&text);
+        text = match edits {
+            [DocumentEdit::Remove(removal)] => cut(&text, &root, &removal.pruned(&root)),
+            _ => splice(&text, &root, &merge_edits(&root, edits)?)?,
+        };
+    }
+    Ok(text)
 }
 
 /// Merges a batch into edits of which none is at the same place as another or within it.
@@ -100,6 +113,8 @@ fn merge_edits(root: &Node, batch: &[DocumentEdit]) -> Result<Vec<Edit>, EditErr
                     }
                 }
             }
+            // A removal is rendered alone, so it is not among the edits to merge.
+            DocumentEdit::Remove(_) => {}
         }
     }
     Ok(merged)
@@ -145,16 +160,15 @@ fn merge_put(
     Ok(())
 }
 
-/// The value of an element with the edits merged so far, for further changes.
+/// The value of an element with the edits merged so far, for further changes. `path` has the keys to the element.
 ///
 /// If no edit contains the element, its value is copied from the document and becomes an edit. Edits below the element
 /// are merged into it.
 fn element_value<'f>(
     merged: &'f mut Vec<Edit>,
     root: &Node,
-    element: &str,
+    path: &[String],
 ) -> Result<&'f mut Value, EditError> {
-    let path = ["elements".to_owned(), element.to_owned()];
     let missing_path = || EditError::MissingPath(path.join("/"));
     if let Some(index) = merged.iter().position(|edit| path.starts_with(&edit.path)) {
         let outer = &mut merged[index];
@@ -164,7 +178,7 @@ fn element_value<'f>(
     let node = path.iter().try_fold(root, |node, key| node.child(key)).ok_or_else(missing_path)?;
     let mut value = node.to_value();
     let (inner_edits, other_edits): (Vec<Edit>, Vec<Edit>) =
-        std::mem::take(merged).into_iter().partition(|edit| edit.path.starts_with(&path));
+        std::mem::take(merged).into_iter().partition(|edit| edit.path.starts_with(path));
     for edit in inner_edits {
         if let Some(target) = value_at(&mut value, &edit.path[path.len()..], true) {
             *target = edit.value;

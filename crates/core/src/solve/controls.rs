@@ -156,7 +156,7 @@ impl Machine<'_> {
     ///
     /// # Errors
     /// The error of the change.
-    fn transaction(
+    pub(super) fn transaction(
         &mut self,
         change: impl FnOnce(&mut Self) -> Result<(), RunError>,
     ) -> Result<(), RunError> {

@@ -9,7 +9,8 @@
 //! derivatives. `limit_drive` measures how integrators are driven against their limits, and `cord_chains` follows cords
 //! from element to element. `step_check`, `check_plan`, `step_comparison` and `thinned_trace` find steps that are too
 //! long. `controls` and `drive_table` change settings, and `readings` reads a machine. `drive_sections` evaluates drives
-//! for another solver.
+//! for another solver. `live` plays a run in pieces for an operator who watches and interferes, and `transfer` continues
+//! it with another program.
 
 mod amplifier_peaks;
 mod batch;
@@ -32,6 +33,7 @@ mod lamps;
 mod levels;
 mod limit_drive;
 mod linear;
+mod live;
 mod machine;
 mod minimum_search;
 mod observer;
@@ -53,6 +55,7 @@ mod stopped_run;
 mod tableau;
 mod thinned_trace;
 mod time_setting;
+mod transfer;
 mod turning_points;
 mod turns;
 
@@ -65,7 +68,9 @@ pub use dense_output::Curve as StateCurve;
 pub use drive_sections::DriveSections;
 pub use drive_table::{CurveError, DriveTableError, set_curve, set_drive_table};
 pub use error::RunError;
+pub use live::{Checkpoint, LiveRun, LiveState};
 pub use machine::{Machine, MachineMode};
+pub use recorder::WatchedPoints;
 pub use run::{check, machine_after, run, run_batch, run_in_blocks, run_with_progress, sufficient_step};
 pub use runge_kutta::{advance_states, weighted_sum};
 pub use settings::RunSettings;

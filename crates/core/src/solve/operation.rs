@@ -16,6 +16,9 @@ use crate::kernel::Steps;
 /// the beginning of a motion.
 const MAX_STEP_SHARE: f64 = 0.05;
 
+/// Share of a step up to which the time that is left needs no step.
+const SAME_STEP: f64 = 1e-6;
+
 /// A phase in which a machine operates in equal steps.
 ///
 /// The phase takes the whole steps of the grid first. A shorter step may follow in [`Machine::end_operation`].
@@ -36,6 +39,11 @@ impl Operation {
         if let Some(active) = &mut self.active {
             (active.steps_left, active.is_event_next) = (active.steps_left - count, false);
         }
+    }
+
+    /// The time that is left at a problem time of the operation, in problem seconds.
+    pub(super) fn time_left(&self, time: f64) -> f64 {
+        (self.end - time).max(0.0)
     }
 
     /// Ends the phase at the present instant: no steps are left.
@@ -68,19 +76,67 @@ impl Machine<'_> {
     /// If the run takes too many steps, or a step fails.
     fn operate_adaptive(&mut self, end: f64, observer: &mut impl StepObserver) -> Result<(), RunError> {
         let longest = MAX_STEP_SHARE * (end - self.solver.state.time);
-        while self.solver.state.time < end && !self.hold_if_stopped(observer) {
-            let (steps, max) = (self.work.steps as f64, MAX_STEPS);
-            if steps > max {
-                return Err(RunError::TooManySteps { steps, max });
-            }
-            let (next, remaining) = (self.next_step().min(longest), end - self.solver.state.time);
-            // The last two steps share the remaining time, so that neither is much too short.
-            let step = if next < remaining { next.min(0.5 * remaining) } else { remaining };
-            let target = self.solver.state.time + step;
-            self.advance(if step < remaining { target } else { end }, observer)?;
-        }
+        while self.take_adaptive_step(end, longest, observer)? {}
         self.hold_if_stopped(observer);
         Ok(())
+    }
+
+    /// Takes a step that adapts to the tolerance, at most of the length `longest` in problem seconds and at most up to
+    /// the problem time `end`. Returns whether it took one: not at `end`, and not if the observer stops the machine.
+    ///
+    /// # Errors
+    /// If the run takes too many steps, or the step fails.
+    fn take_adaptive_step(
+        &mut self,
+        end: f64,
+        longest: f64,
+        observer: &mut impl StepObserver,
+    ) -> Result<bool, RunError> {
+        if self.solver.state.time >= end || self.hold_if_stopped(observer) {
+            return Ok(false);
+        }
+        let (steps, max) = (self.work.steps as f64, MAX_STEPS);
+        if steps > max {
+            return Err(RunError::TooManySteps { steps, max });
+        }
+        let (next, remaining) = (self.next_step().min(longest), end - self.solver.state.time);
+        // The last two steps share the remaining time, so that neither is much too short.
+        let step = if next < remaining { next.min(0.5 * remaining) } else { remaining };
+        let target = self.solver.state.time + step;
+        self.advance(if step < remaining { target } else { end }, observer)?;
+        Ok(true)
+    }
+
+    /// Continues an operation up to a problem time, and takes at most `most` steps. Returns whether the operation is
+    /// complete. Steps that adapt may end after the time.
+    ///
+    /// # Errors
+    /// If a step fails.
+    pub(super) fn continue_up_to(
+        &mut self,
+        operation: &mut Operation,
+        time: f64,
+        most: u64,
+        observer: &mut impl StepObserver,
+    ) -> Result<bool, RunError> {
+        if self.control.is_none() {
+            // A step that ends within rounding of the time is not needed.
+            let steps =
+                ((time - self.solver.state.time) / self.solver.setup.step - SAME_STEP).ceil().max(0.0);
+            self.continue_operation(operation, most.min(steps as u64), observer)?;
+            let is_held = self.mode == MachineMode::Hold;
+            return Ok(operation.steps.count == 0 && (is_held || time >= operation.end));
+        }
+        let longest = MAX_STEP_SHARE * (operation.end - operation.steps.begin);
+        for _ in 0..most {
+            if self.solver.state.time >= time {
+                return Ok(false);
+            }
+            if !self.take_adaptive_step(operation.end, longest, observer)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Length of the next step in problem seconds: constant, or by the step control.

@@ -30,15 +30,23 @@ pub(super) struct Player<'p, 'w> {
     end: f64,
     /// Whether an overload ended the repetition. Phases that take time are then skipped until the next initial
     /// condition.
-    is_held: bool,
+    pub is_held: bool,
 }
 
 /// A phase in which the machine operates.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct OperatePhase<'p> {
     /// The longest time that the phase lasts, in problem seconds.
     pub time: f64,
     /// The relay that may end the phase earlier; `None` if the phase does not wait for one.
     relay: Option<&'p Switch>,
+}
+
+impl OperatePhase<'_> {
+    /// The rest of the phase on a machine with another program: it lasts `time` problem seconds, and no relay ends it.
+    pub(super) fn rest_without_relay<'q>(self, time: f64) -> OperatePhase<'q> {
+        OperatePhase { time, relay: None }
+    }
 }
 
 impl<'p, 'w> Player<'p, 'w> {

@@ -7,6 +7,10 @@
 
 mod blocks;
 mod observer;
+mod watch;
+
+pub(super) use watch::Watch;
+pub use watch::WatchedPoints;
 
 use std::ops::{ControlFlow, Range};
 
@@ -42,7 +46,11 @@ pub(super) struct Recorder<'a> {
     /// Number of samples that were flushed.
     flushed: usize,
     /// Called with the seconds recorded so far, summed over all repetitions.
-    progress: &'a mut dyn FnMut(f64),
+    progress: Option<&'a mut dyn FnMut(f64)>,
+    /// The outputs that are watched at every step; `None` if there are none.
+    pub watch: Option<Watch>,
+    /// Length of equal steps in problem seconds.
+    step: f64,
     /// Seconds recorded before the present repetition.
     recorded_before: f64,
     /// The recorded signals, in the order of their tracks.
@@ -56,7 +64,7 @@ pub(super) struct Recorder<'a> {
     /// Time of the last sample by the recorder's clock, in seconds.
     last_time: f64,
     /// Seconds that the present repetition has been in hold: the recorder's clock minus problem time.
-    hold_time: f64,
+    pub hold_time: f64,
     /// Whether a repetition has begun since the last initial condition.
     is_in_repetition: bool,
     /// Whether the last sample has the present voltages.
@@ -117,7 +125,7 @@ impl<'a> Recorder<'a> {
         program: &Program,
         solver: &Solver<'_>,
         settings: &RunSettings,
-        progress: &'a mut dyn FnMut(f64),
+        progress: Option<&'a mut dyn FnMut(f64)>,
     ) -> Result<Self, RunError> {
         let signals: Result<Vec<_>, _> =
             settings.record.iter().map(|name| find_signal(program, name)).collect();
@@ -134,6 +142,8 @@ impl<'a> Recorder<'a> {
             block_samples: settings.block_samples,
             flushed: 0,
             progress,
+            watch: None,
+            step: settings.step,
             recorded_before: 0.0,
             signals,
             grid: Grid::new(settings.every),
@@ -152,13 +162,21 @@ impl<'a> Recorder<'a> {
         })
     }
 
-    /// The registers of the recorded voltages, in the order of the tracks.
+    /// The registers of the recorded voltages, in the order of the tracks, and then those of the watched outputs.
     pub(super) fn registers(&self) -> Vec<Register> {
-        self.signals.iter().map(|signal| signal.register).collect()
+        let watched = self.watch.iter().flat_map(Watch::registers);
+        self.signals.iter().map(|signal| signal.register).chain(watched).collect()
+    }
+
+    /// Adds the present voltages to the watched points.
+    pub(super) fn watch_present(&mut self, solver: &Solver<'_>) {
+        if let Some(watch) = &mut self.watch {
+            watch.add_present(solver, self.hold_time);
+        }
     }
 
     /// The recorder's clock at a problem time: seconds since the repetition began.
-    fn clock(&self, time: f64) -> f64 {
+    pub(super) fn clock(&self, time: f64) -> f64 {
         time + self.hold_time
     }
 
@@ -260,7 +278,9 @@ impl<'a> Recorder<'a> {
     /// Calls `progress` with the seconds recorded up to a problem time.
     fn report_progress(&mut self, time: f64) {
         let recorded = self.recorded(time);
-        (self.progress)(recorded);
+        if let Some(progress) = &mut self.progress {
+            progress(recorded);
+        }
     }
 
     /// Ends the repetition, if one has begun: adds its end, its overloads and its work to the record. `is_held` is
@@ -284,6 +304,39 @@ impl<'a> Recorder<'a> {
             (repetition.end, repetition.work, repetition.is_held) = (end, *work, is_held);
         }
         self.recorded_before += end;
+    }
+
+    /// Adopts the present scales of the recorded signals. Samples before the change are in the old ones.
+    pub(super) fn adopt_scales(&mut self, solver: &Solver<'_>) {
+        let pairs = self.trace.tracks.iter_mut().zip(&self.signals);
+        pairs.for_each(|(track, signal)| track.per_volt = per_volt(signal, solver));
+    }
+
+    /// Continues at a time of the recorder's clock, after the machine was moved there without steps.
+    pub(super) fn move_to(&mut self, solver: &Solver<'_>, lamps: &Lamps, hold_time: f64) {
+        self.sample_present(solver, lamps);
+        self.hold_time = hold_time;
+        let clock = self.clock(solver.state.time);
+        self.set_next_sample(self.grid.steps_in(clock) + 1);
+        (self.last_time, self.is_fresh) = (clock, false);
+    }
+
+    /// The samples since the last call. They are no longer in the record, and nor are phases and repetitions that have
+    /// ended.
+    pub(super) fn take_samples(&mut self) -> Trace {
+        let ended = self.trace.repetitions.len().saturating_sub(1);
+        self.trace.repetitions.drain(..ended);
+        for track in &mut self.trace.tracks {
+            track.extremes.drain(..ended.min(track.extremes.len()));
+        }
+        self.trace.phase_records.drain(..self.trace.phase_records.len().saturating_sub(1));
+        let taken = Trace { time: std::mem::take(&mut self.trace.time), ..Trace::default() };
+        self.flushed += taken.len();
+        let tracks = self.trace.tracks.iter_mut().map(|track| {
+            let volts = std::mem::take(&mut track.volts);
+            Track { volts, extremes: Vec::new(), ..track.clone() }
+        });
+        Trace { tracks: tracks.collect(), ..taken }
     }
 
     /// Name of a recorded signal whose scale has changed since the record began; `None` if there is none.

@@ -296,6 +296,18 @@ pub(super) fn prepare<'p, 'w>(
     settings: &RunSettings,
     progress: &'w mut dyn FnMut(f64),
 ) -> Result<Player<'p, 'w>, RunError> {
+    prepare_player(program, settings, Some(progress))
+}
+
+/// The same with a progress that need not be reported.
+///
+/// # Errors
+/// The errors of [`run`] that come before the first step.
+pub(super) fn prepare_player<'p, 'w>(
+    program: &'p Program,
+    settings: &RunSettings,
+    progress: Option<&'w mut dyn FnMut(f64)>,
+) -> Result<Player<'p, 'w>, RunError> {
     settings.check()?;
     player::check(program, &settings.phases)?;
     let mut machine = match settings.tolerance {

@@ -20,10 +20,11 @@ mod sheet;
 mod symbol;
 mod view;
 
-pub use board::{Board, Cord, Link, Module};
+pub use board::{Board, Cord, Link, Module, jack_label};
 pub use diagram::{Diagram, Net, PlacedSymbol};
 pub use layout::{Point, Route};
 pub use legend::legend;
 pub use lists::{List, ListRow};
+pub use settings::{of_element as settings_of_element, of_instance as settings_of_instance};
 pub use sheet::{DrawError, OpenedMacro, Schematic};
 pub use symbol::{CordSource, ElementState, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting};

@@ -12,7 +12,7 @@ use patchcord_core::patch::{Amount, Instance, InstanceSetting};
 use patchcord_expr::{Formula, Unit};
 
 /// Returns the settings of an instance in the units of its macro.
-pub(super) fn of_instance(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
+pub fn of_instance(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
     let setting = |(key, made): (&String, &InstanceSetting)| {
         let value = circuit.per_volt(circuit.derived_index(&format!("{name}.{key}"))?)?;
         let text = made.value.value.text();
@@ -29,7 +29,7 @@ pub(super) fn of_instance(circuit: &Circuit, name: &str, instance: &Instance) ->
 }
 
 /// Returns the settings of an element with their defaults. A setting without a value is omitted.
-pub(super) fn of_element(circuit: &Circuit, element: &Element) -> Vec<SymbolSetting> {
+pub fn of_element(circuit: &Circuit, element: &Element) -> Vec<SymbolSetting> {
     let rows = element.kind.settings.iter().zip(&element.settings);
     rows.filter_map(|(row, given)| match given {
         Some(placed) => given_setting(circuit, element, row, &placed.value),

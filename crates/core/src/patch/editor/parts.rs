@@ -159,7 +159,7 @@ impl PatchEditor {
         let (jack, is_in_order) = entry.add_cord(jack, placed_from);
         self.must_expand = true;
         self.must_reread |= !is_in_order;
-        let (element, from) = (element.to_owned(), from.to_owned());
+        let (element, from) = (path_of(element), from.to_owned());
         self.batch.push(DocumentEdit::AddCord { element, jack, from });
         Ok(())
     }
@@ -178,8 +178,13 @@ impl PatchEditor {
         };
         let jacks = entry.replug(from, to, &mut edited_text.next_span);
         self.must_expand = true;
-        let [element, from, to] = [element, from, to].map(str::to_owned);
-        self.batch.push(DocumentEdit::Replug { element, jacks, from, to });
+        let [from, to] = [from, to].map(str::to_owned);
+        self.batch.push(DocumentEdit::Replug { element: path_of(element), jacks, from, to });
         Ok(())
     }
+}
+
+/// The keys from the root of the document to an element or an instance.
+fn path_of(element: &str) -> Vec<String> {
+    ["elements", element].map(str::to_owned).to_vec()
 }

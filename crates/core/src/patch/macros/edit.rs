@@ -2,7 +2,9 @@
 //!
 //! The edits change the section "elements" as written. `PatchEditor` then expands the macros again.
 
-use super::{Macros, SectionEntry};
+use indexmap::IndexMap;
+
+use super::{Macro, Macros, SectionEntry};
 use crate::document::{Placed, Span};
 use crate::patch::document::{Patch, Plug};
 
@@ -106,6 +108,28 @@ impl SectionEntry {
             SectionEntry::Instance(instance) => {
                 instance.cords.values_mut().flat_map(|cords| &mut cords.value).for_each(replug);
                 instance.cords.keys().cloned().collect()
+            }
+        }
+    }
+
+    /// Removes all cords and empty jacks.
+    pub(in crate::patch) fn clear_cords(&mut self) {
+        match self {
+            SectionEntry::Element(entry) => {
+                entry.plugs.clear();
+                entry.empty_jacks.clear();
+            }
+            SectionEntry::Instance(instance) => instance.cords.clear(),
+        }
+    }
+
+    /// Whether the kind of the element, or the macro of the instance, has a setting with this name.
+    pub(in crate::patch) fn has_setting(&self, setting: &str, macros: &IndexMap<String, Macro>) -> bool {
+        match self {
+            SectionEntry::Element(entry) => entry.kind.setting(setting).is_some(),
+            SectionEntry::Instance(instance) => {
+                let definition = macros.get(&instance.macro_name.value);
+                definition.is_some_and(|definition| definition.settings.contains_key(setting))
             }
         }
     }

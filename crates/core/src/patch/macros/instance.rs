@@ -103,7 +103,7 @@ impl Expansion<'_> {
         for (port, description) in &definition.inputs {
             let cords = entry.cords.get(port);
             let driver = match cords.map_or(&[][..], |cords| &cords.value) {
-                [] if entry.is_incomplete || INSTANCE_KEYS.contains(&port.as_str()) => None,
+                [] if !entry.is_open(port) => None,
                 [] => {
                     let span = cords.map_or(entry.span, |cords| cords.span);
                     let hint = cord_hint(&format!("\"{port}\": \"NAME\""), &description.value);
@@ -206,6 +206,25 @@ impl Expansion<'_> {
             self.add_unread(format!("{}{name}", section.prefix), section, findings);
         }
         settings
+    }
+}
+
+impl InstanceEntry {
+    /// Whether an input port has no cord. A port of an incomplete instance does not count: the cord may be the part that
+    /// could not be read. Nor does a port whose name is a key of every instance, because no cord can go there.
+    fn is_open(&self, port: &str) -> bool {
+        let has_cord = self.cords.get(port).is_some_and(|cords| !cords.value.is_empty());
+        !has_cord && !self.is_incomplete && !INSTANCE_KEYS.contains(&port)
+    }
+
+    /// The input ports of the macro that have no cord, in the order of the definition.
+    pub(in crate::patch) fn open_ports<'m>(&self, definition: &'m Macro) -> impl Iterator<Item = &'m str> {
+        definition.inputs.keys().map(String::as_str).filter(|port| self.is_open(port))
+    }
+
+    /// Name of the macro.
+    pub(in crate::patch) fn macro_name(&self) -> &str {
+        &self.macro_name.value
     }
 }
 

@@ -74,6 +74,11 @@ pub struct MacroSetting {
 }
 
 impl Macro {
+    /// The elements and instances inside the macro by name, as written.
+    pub(super) fn section(&self) -> &IndexMap<String, SectionEntry> {
+        &self.entries
+    }
+
     /// The names of the elements and instances inside the macro, in the order of the document.
     pub fn element_names(&self) -> impl Iterator<Item = &str> {
         self.entries.keys().map(String::as_str)

@@ -13,6 +13,9 @@ use crate::solve::state::Solver;
 impl StepObserver for Recorder<'_> {
     /// Writes the samples within the step, and updates the extremes by the step and its end before modes change.
     fn step_accepted(&mut self, solver: &mut Solver<'_>) {
+        if let Some(watch) = &mut self.watch {
+            watch.add_step(solver, self.hold_time);
+        }
         while let Some(time) = self.next_before(self.clock(solver.state.time) * (1.0 - SAME_INSTANT)) {
             solver.interpolate(time - self.hold_time);
             self.write_sample(time, solver, Instant::Interpolated);
@@ -25,6 +28,7 @@ impl StepObserver for Recorder<'_> {
 
     /// Keeps the voltages before relays switch, if a relay may end the phase.
     fn before_jump(&mut self, solver: &Solver<'_>) {
+        self.watch_present(solver);
         if self.end_condition.is_some() {
             self.voltages_before_switching.copy_from_slice(&solver.state.voltages);
             let derivatives = track_values(&self.signals, solver, Instant::Present).skip(self.signals.len());
@@ -38,6 +42,7 @@ impl StepObserver for Recorder<'_> {
     /// Writes the sample at the end of the step, after relays have switched. If a relay ends the phase, a sample of the
     /// voltages before it switched comes first.
     fn step_ended(&mut self, solver: &Solver<'_>) {
+        self.watch_present(solver);
         let due = self.due_sample(solver.state.time);
         if let Some(end_condition) = &mut self.end_condition {
             end_condition.read(&solver.state.modes);
@@ -55,11 +60,15 @@ impl StepObserver for Recorder<'_> {
     }
 
     fn next_sample(&self) -> f64 {
-        self.next_time - self.hold_time
+        let watched = self.watch.as_ref().map_or(f64::INFINITY, |watch| watch.next_time(self.step));
+        self.next_time.min(watched) - self.hold_time
     }
 
-    /// Writes the samples within the kernel's last step.
+    /// Writes the samples within the kernel's last step, and adds its watched points.
     fn kernel_reached_jump(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
+        if let Some(watch) = &mut self.watch {
+            watch.add_kernel_step((time, self.hold_time), tables, run, self.signals.len());
+        }
         while let Some(sample) = self.next_before(self.clock(time) * (1.0 - SAME_INSTANT)) {
             run.interpolate(tables, sample - self.hold_time);
             self.observe_within(sample, run);
@@ -78,6 +87,9 @@ impl StepObserver for Recorder<'_> {
 
     /// Writes the samples at the ends of the kernel's steps.
     fn kernel_stepped_recording(&mut self, time: f64, run: &KernelRun, steps: Steps) {
+        if let Some(watch) = &mut self.watch {
+            watch.add_kernel_steps(steps, self.hold_time, run, self.signals.len());
+        }
         self.is_fresh = false;
         for step in self.steps_with_samples(steps) {
             self.is_fresh = self.next_time < self.end_of(steps, step) * (1.0 + SAME_INSTANT);
@@ -89,6 +101,9 @@ impl StepObserver for Recorder<'_> {
     }
 
     fn steps_before_inner_sample(&self, steps: Steps) -> u64 {
+        if self.watch.as_ref().is_some_and(|watch| watch.looks_within(self.step)) {
+            return 0;
+        }
         let (mut index, mut time) = (self.next_index, self.next_time);
         for step in self.steps_with_samples(steps) {
             let end = self.end_of(steps, step);

@@ -14,6 +14,7 @@ mod module_rows;
 mod panel;
 mod routing;
 
+pub use self::module_rows::jack_label;
 use self::routing::PanelGrid;
 use super::describe;
 use super::heading::{self, Heading};

@@ -182,7 +182,10 @@ impl RowBuilder<'_> {
     fn plugs(&self, index: usize) -> Vec<InputSlot> {
         let symbol = &self.symbols[index];
         let is_inverter = symbol.kind == "inverter" && !self.circuit.machine().summer_gains.is_empty();
-        let label = |jack: &Jack| if is_inverter { "1".to_owned() } else { jack_label(jack) };
+        let label = |jack: &Jack| match is_inverter {
+            true => "1".to_owned(),
+            false => jack_label(&jack.input, jack.gain),
+        };
         let here = symbol.jacks.iter().enumerate();
         let here = here.filter(|(_, jack)| composites::auxiliary_input(symbol, &jack.input).is_none());
         let mut plugs: Vec<_> = here.map(|(number, jack)| (label(jack), Some((index, number)))).collect();
@@ -245,7 +248,7 @@ fn auxiliary_module(
     for (plug, jack) in symbol.jacks.iter().enumerate() {
         match composites::auxiliary_input(symbol, &jack.input) {
             Some(LinkEnd::Input(other, other_number, slot)) if (other, other_number) == (part, number) => {
-                inputs[slot] = (jack_label(jack), Some((index, plug)));
+                inputs[slot] = (jack_label(&jack.input, jack.gain), Some((index, plug)));
             }
             _ => (),
         }
@@ -276,14 +279,24 @@ fn named_jacks(part: Part) -> &'static [&'static str] {
     }
 }
 
-/// Returns the label of a jack.
+/// Returns the label of a jack of an input.
 ///
 /// A gain stands for a summing input: `10`. Another input is named before its gain: `brake 10`.
-fn jack_label(jack: &Jack) -> String {
-    match jack.gain {
-        Some(gain) if jack.input == "x" => format!("{gain}"),
-        Some(gain) => format!("{} {gain}", jack.input.trim_end_matches("_x")),
-        None => jack.input.replace("bias_plus", "+VB").replace("bias_minus", "−VB"),
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_draw::schematic::jack_label;
+///
+/// assert_eq!(jack_label("x", Some(10.0)), "10");
+/// assert_eq!(jack_label("brake_x", Some(1.0)), "brake 1");
+/// assert_eq!(jack_label("bias_plus", None), "+VB");
+/// ```
+pub fn jack_label(input: &str, gain: Option<f64>) -> String {
+    match gain {
+        Some(gain) if input == "x" => format!("{gain}"),
+        Some(gain) => format!("{} {gain}", input.trim_end_matches("_x")),
+        None => input.replace("bias_plus", "+VB").replace("bias_minus", "−VB"),
     }
 }
 

@@ -1,0 +1,279 @@
+/** One dial: a knob with a scale, and a field in which its value can be typed exactly. */
+
+import { el, format, svg } from './dom.js';
+
+/** The angle from the top to an end of the scale of a dial of one turn, in degrees. */
+const SWEEP = 135;
+/** A turn of the wheel sooner after one elsewhere still scrolls the page, in milliseconds. */
+const SCROLLING = 400;
+
+let scrolled = -SCROLLING;
+addEventListener('wheel', (event) => {
+  if (!event.target.closest?.('.dial')) scrolled = event.timeStamp;
+}, { passive: true, capture: true });
+
+const within = (low, value, high) => Math.min(high, Math.max(low, value));
+const hasUnit = (unit) => unit && unit !== '1';
+
+/** The ends of so many equal parts of 1. */
+export const equal = (parts) => Array.from({ length: parts + 1 }, (_, index) => index / parts);
+
+/** The next 1, 2 or 5 times a power of 10. */
+function roundUp(value) {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return Number((decade * [1, 2, 5, 10].find((step) => step * decade >= value * 0.999999)).toPrecision(12));
+}
+
+/** A scale. An end that the range does not give is near the value, and `extend` moves it. */
+function scaleOf({ range, whole, digits }) {
+  const floor = range?.[0] ?? -Infinity;
+  const ceiling = range?.[1] ?? Infinity;
+  const isClosed = ceiling - floor < 1e12;
+  const log = isClosed && floor > 0 && ceiling / floor > 50;
+  const scale = {
+    log,
+    low: isClosed ? floor : NaN,
+    high: isClosed ? ceiling : NaN,
+    /** Moves an end if the value is outside, or at it when a turn begins. */
+    extend(value, turning) {
+      if (isClosed) return;
+      const size = value ? roundUp(2 * Math.abs(value)) : scale.high - scale.low || 1;
+      const isNew = Number.isNaN(scale.low);
+      if (isNew ? value >= 0 : value > scale.high || (turning && value === scale.high)) scale.high = Math.min(ceiling, size);
+      if (isNew ? value <= 0 : value < scale.low || (turning && value === scale.low)) scale.low = Math.max(floor, -size);
+      scale.low ||= Math.max(floor, 0);
+      scale.high ||= Math.min(ceiling, 0);
+    },
+    position: (value) => within(0, log ? Math.log(value / scale.low) / Math.log(scale.high / scale.low)
+      : (value - scale.low) / (scale.high - scale.low), 1),
+    step: () => (whole ? 1 : 10 ** (digits ? -digits : Math.floor(Math.log10((scale.high - scale.low) / 2000)))),
+    /** The value at a position, rounded to what the dial resolves. */
+    value(position, fine) {
+      const { low, high } = scale;
+      if (position <= 0 || position >= 1) return position <= 0 ? low : high;
+      const exact = log ? low * (high / low) ** position : low + (high - low) * position;
+      const grid = scale.step() * (fine && !whole && !digits ? 0.1 : 1);
+      return within(low, Number(log && !whole ? exact.toPrecision(fine ? 5 : 4) : (Math.round(exact / grid) * grid).toPrecision(12)), high);
+    },
+  };
+  return scale;
+}
+
+/** The dashes that mark these positions on a path of length 1. */
+export function dashes(positions, width) {
+  const starts = positions.map((position) => within(0, position - width / 2, 1 - width));
+  return `0 ${starts.map((start, index) => `${start - (index ? starts[index - 1] + width : 0)} ${width}`).join(' ')} 9`;
+}
+
+/** The positions of marks: decades and their multiples on a logarithmic scale, otherwise equal parts. */
+function marks({ log, low, high, position }, isLong) {
+  if (!log) return equal(isLong ? 10 : 50);
+  const values = [];
+  for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; decade += 1) {
+    for (let factor = 1; factor < (isLong ? 2 : 10); factor += 1) values.push(factor * 10 ** decade);
+  }
+  return values.filter((value) => value > low * 0.999 && value < high * 1.001).map(position);
+}
+
+/** Draws a dial and returns the parts that change. A dial of many turns has a skirt below a fixed mark. */
+function drawing(isMany) {
+  const arc = (name) => svg('path', { class: `dial-${name}`, d: 'M-35.36 35.36A50 50 0 1 1 35.36 35.36', pathLength: 1 });
+  const ring = (name, r, pathLength) => svg('circle', { class: `dial-${name}`, r, pathLength, transform: 'rotate(-90)' });
+  const [filled, long, short] = ['filled', 'long', 'short'].map(arc);
+  const ends = [-41, 41].map((x) => svg('text', { class: 'dial-end', x, y: 54 }));
+  const turning = svg('g', {}, isMany && [ring('fine', 40, 100), ring('coarse', 39, 10),
+    ...equal(9).map((_, digit) => svg('text', { class: 'dial-numeral', y: -27.5, transform: `rotate(${-36 * digit})` }, digit))],
+  ring('knurl', isMany ? 21 : 34, 36), svg('path', { class: 'dial-pointer', d: isMany ? 'M0-8V-18' : 'M0-14V-31' }));
+  const picture = svg('svg', { viewBox: '-64 -60 128 120', 'aria-hidden': 'true' }, arc('track'), filled, !isMany && [short, long], turning,
+    isMany && svg('path', { class: 'dial-index', d: 'M-3.5-51H3.5L0-41Z' }), ends);
+  return { picture, filled, long, short, turning, ends };
+}
+
+/** Reads a number as in JSON, and perhaps its unit. Returns the number, or what is wrong. */
+function typed(text, unit) {
+  const [, number, suffix] = /^\s*(-?(?:0|[1-9]\d*)(?:\.\d+)?(?:e[+-]?\d+)?)\s*((?![\d.,]).*?)\s*$/i.exec(text) ?? [];
+  if (number === undefined) return `"${text.trim()}" is not a number. Write it as 2.5, -3 or 1e-3.`;
+  if (!suffix || suffix === unit) return Number(number);
+  return hasUnit(unit) ? `The unit is ${unit}, not ${suffix}.` : 'This number has no unit.';
+}
+
+/**
+ * Makes a dial. `show` gives it the value of the session. An absent end of the range grows. A dial of many turns has
+ * the value of one turn, `perTurn`. `turned` is called once a frame and resolves with the events of the answer.
+ * @param {{label: string, unit: string, range?: (number|null)[]|null, perTurn?: number, digits?: number, whole?: boolean,
+ *   turned: (value: number) => Promise<any[]>, reset?: () => void, blocked?: () => void}} options
+ */
+export function dial(options) {
+  const { label, unit, perTurn, digits } = options;
+  const scale = scaleOf(options);
+  const parts = drawing(Boolean(perTurn));
+  let [shown, latest, position, open, ends] = [NaN, undefined, 0, 0, ''];
+  let [isQueued, isEdited, isRefused, isLocked] = [false, false, false, false];
+  let drag = null;
+
+  const written = (value) => (digits ? value.toFixed(digits) : format(value, 6));
+  const note = (text) => {
+    message.textContent = text;
+    node.classList.toggle('is-refused', text !== '');
+  };
+
+  function drawScale() {
+    const { low, high } = scale;
+    if (ends === `${low} ${high}` || Number.isNaN(low)) return;
+    ends = `${low} ${high}`;
+    [low, high].forEach((end, index) => {
+      const text = format(end, 3);
+      parts.ends[index].textContent = (text.replace('-', '').length > 6 ? end.toExponential().replace('e+', 'e') : text).replace(/^-/, '−');
+      knob.setAttribute(`aria-value${index ? 'max' : 'min'}`, end);
+    });
+    parts.long.setAttribute('stroke-dasharray', dashes(marks(scale, true), 0.006));
+    parts.short.setAttribute('stroke-dasharray', dashes(marks(scale, false), 0.003));
+  }
+
+  function draw(value) {
+    shown = value;
+    const isKnown = !Number.isNaN(value);
+    if (isKnown) scale.extend(value, false);
+    drawScale();
+    const at = isKnown ? scale.position(value) : 0;
+    const zero = scale.low < 0 && scale.high > 0 ? scale.position(0) : 0;
+    parts.filled.setAttribute('stroke-dasharray', `0 ${Math.min(at, zero)} ${Math.abs(at - zero)} 9`);
+    parts.turning.style.transform = `rotate(${perTurn ? 360 * (value || 0) / perTurn : (2 * at - 1) * SWEEP}deg)`;
+    if (!isEdited) field.value = isKnown ? written(value) : '';
+    knob.setAttribute('aria-valuenow', value || 0);
+    knob.setAttribute('aria-valuetext', isKnown ? `${written(value)} ${hasUnit(unit) ? unit : ''}`.trim() : 'unknown');
+  }
+
+  /** Shows the value of the session. While a turn is under way, answers are about earlier values. */
+  function show(value) {
+    const isNews = !Object.is(latest, value ?? NaN);
+    latest = value ?? NaN;
+    if (drag || isQueued || open || (!isNews && (isRefused || Object.is(latest, shown)))) return;
+    if (isNews && !isEdited) note('');
+    isRefused = false;
+    draw(latest);
+  }
+
+  /** Shows and sends a value. A refused value stays visible until it is changed. */
+  function turn(value) {
+    if (value === shown && !isRefused) return;
+    isRefused = false;
+    note('');
+    draw(value);
+    if (isQueued) return;
+    isQueued = true;
+    requestAnimationFrame(async () => {
+      isQueued = false;
+      open += 1;
+      const refusal = (await options.turned(shown)).find(({ event }) => event === 'refused');
+      open -= 1;
+      if (open || isQueued) return;
+      isRefused = Boolean(refusal);
+      if (refusal) note(refusal.message);
+      else show(latest);
+    });
+  }
+
+  /** Begins a turn, unless the dial is locked. */
+  function mayTurn() {
+    if (isLocked) options.blocked?.();
+    else {
+      scale.extend(shown || 0, true);
+      draw(shown || within(scale.low, 0, scale.high));
+      position = scale.position(shown);
+    }
+    return !isLocked;
+  }
+
+  /** Turns by a key or the wheel, at least by the finest step. */
+  function nudge(by, isFine) {
+    if (!mayTurn()) return;
+    const value = scale.value(within(0, position + by, 1), isFine);
+    turn(value === shown ? within(scale.low, shown + Math.sign(by) * scale.step(), scale.high) : value);
+  }
+
+  function release() {
+    if (!drag) return;
+    drag = null;
+    show(latest);
+  }
+
+  const knob = el('div', {
+    class: perTurn ? 'dial is-many' : 'dial', role: 'slider', tabindex: 0, 'aria-label': label,
+    onpointerdown(event) {
+      if (event.button || !mayTurn()) return;
+      knob.setPointerCapture(event.pointerId);
+      const { left, top, width, height } = knob.getBoundingClientRect();
+      const centre = [left + width / 2, top + height / 2];
+      // The cap is dragged up and down; the skirt or the scale is turned around.
+      const isAround = Math.hypot(event.clientX - centre[0], event.clientY - centre[1]) > width * (perTurn ? 0.18 : 0.28);
+      drag = { centre, isAround, x: event.clientX, y: event.clientY };
+    },
+    onpointermove({ clientX, clientY, shiftKey }) {
+      if (!drag) return;
+      const { centre: [left, top], isAround, x, y } = drag;
+      Object.assign(drag, { x: clientX, y: clientY });
+      let by = (y - clientY) / (perTurn ? 400 : 200);
+      if (isAround) {
+        const angle = (Math.atan2(clientY - top, clientX - left) - Math.atan2(y - top, x - left)) * 180 / Math.PI;
+        by = ((angle + 540) % 360 - 180) / (perTurn ? 360 * (scale.high - scale.low) / perTurn : 2 * SWEEP);
+      }
+      position = within(0, position + by * (shiftKey ? 0.1 : 1), 1);
+      turn(scale.value(position, shiftKey));
+    },
+    onpointerup: release,
+    onpointercancel: release,
+    onlostpointercapture: release,
+    ondblclick: () => options.reset?.(),
+    onwheel(event) {
+      if (event.timeStamp - scrolled < SCROLLING || event.ctrlKey) return;
+      event.preventDefault();
+      nudge((event.deltaY || event.deltaX) / (event.deltaMode ? -3 : -100) * (event.shiftKey ? 0.001 : 0.01), event.shiftKey);
+    },
+    onkeydown(event) {
+      const arrow = (perTurn ? 0.001 : 0.01) * (event.shiftKey ? 0.1 : 1);
+      const by = { ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1 }[event.key];
+      if (!by || event.ctrlKey || event.altKey || event.metaKey) return;
+      event.preventDefault();
+      nudge(by, event.shiftKey);
+    },
+  }, parts.picture);
+
+  function enter() {
+    if (!field.value.trim()) isEdited = false;
+    const answer = isEdited ? typed(field.value, unit) : shown;
+    if (typeof answer === 'string') return note(answer);
+    if (isEdited) turn(answer);
+    isEdited = false;
+    return draw(answer);
+  }
+
+  const field = el('input', {
+    autocomplete: 'off', spellcheck: 'false', enterkeyhint: 'done', 'aria-label': `${label}, exact value`,
+    onfocus() {
+      if (!isEdited && !Number.isNaN(shown)) field.value = shown;
+      field.select();
+    },
+    oninput: () => { isEdited = true; },
+    onblur: enter,
+    onkeydown({ key }) {
+      if (key === 'Enter') enter();
+      if (key !== 'Escape') return;
+      isEdited = false;
+      note('');
+      draw(shown);
+    },
+  });
+  const message = el('p', { class: 'dial-message', role: 'status' });
+  const node = el('div', { class: 'dial-set' }, knob, el('div', { class: 'dial-window' }, field, hasUnit(unit) && el('span', {}, unit)), message);
+
+  return {
+    node, knob, show, note,
+    lock(on) {
+      isLocked = on;
+      field.readOnly = on;
+      node.classList.toggle('is-locked', on);
+      knob.setAttribute('aria-readonly', on);
+    },
+  };
+}

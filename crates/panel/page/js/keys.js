@@ -1,0 +1,70 @@
+/** Keys of the page. The table that carries them out is also the list that the page shows. */
+
+import { button, el } from './dom.js';
+import { cancelProbe } from './state.js';
+
+const OFF = 'patchcord.letters-off';
+
+/** @type {{key: string, text: string, run: (event: KeyboardEvent) => void}[]} */
+const table = [];
+
+/**
+ * Adds a key: "o", "?", "Space", "Ctrl+S", "Ctrl+Shift+Z".
+ * @param {string} text what it does, for the list
+ */
+export function bind(key, text, run) {
+  table.push({ key, text, run });
+}
+
+/** The name of a pressed key as `bind` has it. */
+function nameOf({ key, ctrlKey, metaKey, shiftKey }) {
+  if (ctrlKey || metaKey) return `Ctrl+${shiftKey ? 'Shift+' : ''}${key.toUpperCase()}`;
+  return key === ' ' ? 'Space' : key.length === 1 ? key.toLowerCase() : key;
+}
+
+/** Whether the key belongs to the control that has the focus. */
+function isTaken({ target, key, defaultPrevented, altKey, isComposing }, name) {
+  if (defaultPrevented || altKey || isComposing || document.querySelector('dialog[open]')) return true;
+  // A field undoes its own text, but it opens and saves no files.
+  if (['Ctrl+S', 'Ctrl+O'].includes(name)) return false;
+  if (target.closest('input:not([type=range], [type=checkbox], [type=radio]), textarea, select, [contenteditable]')) {
+    return true;
+  }
+  return key === ' ' && Boolean(target.closest('button, a, summary, input, [role], [tabindex]'));
+}
+
+const areLettersOff = () => localStorage.getItem(OFF) === 'true';
+
+function pressed(event) {
+  if (event.key === 'Escape') cancelProbe();
+  const name = nameOf(event);
+  const row = table.find(({ key }) => key === name);
+  const needsCtrl = name.startsWith('Ctrl+');
+  if (!row || isTaken(event, name) || (!needsCtrl && name !== '?' && areLettersOff())) return;
+  event.preventDefault();
+  row.run(event);
+}
+
+/** The list of keys. Speech input can set off single letters by accident, so that they can be switched off. */
+function showList() {
+  const letters = el('input', {
+    type: 'checkbox', checked: !areLettersOff(), onchange: () => localStorage.setItem(OFF, String(!letters.checked)),
+  });
+  const rows = table.map(({ key, text }) => el('div', null,
+    el('dt', null, key.split('+').map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part))),
+    el('dd', null, text)));
+  const dialog = el('dialog', { class: 'dialog', 'aria-labelledby': 'keys-title', onclose: () => dialog.remove() },
+    el('h2', { id: 'keys-title' }, 'Keys'),
+    el('dl', { class: 'keys' }, rows),
+    el('label', { class: 'check' }, letters, 'Single letters are keys'),
+    el('div', { class: 'dialog-buttons' }, button('Close', () => dialog.close(), { class: 'primary', autofocus: true })));
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
+/** Starts to listen. */
+export function startKeys() {
+  bind('?', 'Show this list', showList);
+  document.addEventListener('keydown', pressed);
+  document.getElementById('keys').addEventListener('click', showList);
+}

@@ -1,0 +1,105 @@
+/**
+ * The way to the session: a server behind a WebSocket or an engine in a Worker. Both answer requests in order.
+ *
+ * @typedef {{text: string, frame: ArrayBuffer | null}} Answer
+ * @typedef {{kind: 'server' | 'worker', patch?: string | null, request: (text: string) => Promise<Answer>,
+ *   lost: Promise<string>}} Link  `patch` is the name of the patch that the host opens first; `lost` resolves with a
+ *   message when the host no longer answers.
+ */
+
+const TOKEN = 'patchcord.token';
+
+/** The token of the server. It moves from the address bar into the storage of this tab, so that it is not shared by mistake. */
+export function token() {
+  const query = new URLSearchParams(location.search);
+  const fragment = new URLSearchParams(location.hash.slice(1));
+  const given = fragment.get('token') ?? query.get('token');
+  if (given !== null) {
+    sessionStorage.setItem(TOKEN, given);
+    query.delete('token');
+    fragment.delete('token');
+    const rest = (parameters, sign) => (parameters.size ? sign + parameters : '');
+    history.replaceState(null, '', location.pathname + rest(query, '?') + rest(fragment, '#'));
+  }
+  return sessionStorage.getItem(TOKEN) ?? '';
+}
+
+/** Requests without an answer, in the order of the answers. */
+function queue() {
+  const open = [];
+  let lose;
+  const lost = new Promise((resolve) => { lose = resolve; });
+  return {
+    lost,
+    add: () => new Promise((resolve, reject) => open.push({ resolve, reject })),
+    answer: (/** @type {Answer} */ answer) => open.shift()?.resolve(answer),
+    close(message) {
+      for (const request of open.splice(0)) request.reject(new Error(message));
+      lose(message);
+    },
+  };
+}
+
+/** @returns {Promise<Link>} */
+function connectServer() {
+  const address = new URL(`session?token=${encodeURIComponent(token())}`, document.baseURI);
+  address.protocol = address.protocol.replace('http', 'ws');
+  const socket = new WebSocket(address);
+  socket.binaryType = 'arraybuffer';
+  const requests = queue();
+  let text = null;
+  socket.onmessage = ({ data }) => {
+    if (typeof data !== 'string') {
+      requests.answer({ text, frame: data });
+    } else if (JSON.parse(data).frame) {
+      text = data;
+    } else {
+      requests.answer({ text: data, frame: null });
+    }
+  };
+  const request = (message) => {
+    const answer = requests.add();
+    socket.send(message);
+    return answer;
+  };
+  return new Promise((resolve, reject) => {
+    socket.onopen = () => resolve({ kind: 'server', request, lost: requests.lost });
+    socket.onclose = ({ reason }) => {
+      const message = reason || 'The connection to patchcord is closed. Check that the command still runs, and use the address that it printed.';
+      requests.close(message);
+      reject(new Error(message));
+    };
+  });
+}
+
+/** @returns {Link} */
+function connectWorker() {
+  const worker = new Worker('worker/engine.js', { type: 'module' });
+  const requests = queue();
+  let id = 0;
+  const fail = (message) => {
+    worker.terminate();
+    requests.close(message);
+  };
+  worker.onmessage = ({ data }) => {
+    if (data.failed) fail(data.failed);
+    else requests.answer({ text: data.text, frame: data.frame ?? null });
+  };
+  worker.onerror = (event) => fail(event.message || 'The engine could not be loaded. Load the page again.');
+  const request = (text) => {
+    const answer = requests.add();
+    id += 1;
+    worker.postMessage({ id, text });
+    return answer;
+  };
+  return { kind: 'worker', request, lost: requests.lost };
+}
+
+/** Connects to the host that host.json names. @returns {Promise<Link>} */
+export async function connect() {
+  token();
+  const answer = await fetch('host.json');
+  if (!answer.ok) throw new Error('The file host.json is missing next to the page.');
+  const { host, patch } = await answer.json();
+  return { ...await (host === 'server' ? connectServer() : connectWorker()), patch };
+}

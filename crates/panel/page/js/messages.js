@@ -1,0 +1,86 @@
+/** Findings of the checker, refusals, and the state of the connection. */
+
+import { button, el } from './dom.js';
+import { highlight, on, state } from './state.js';
+
+/** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
+const SHOWN = 4000;
+const SHOWN_PER_LETTER = 40;
+
+const byId = (id) => document.getElementById(id);
+
+/** The name of a place: "A3 x10", "parameter M". */
+export function placeName({ element, jack, setting, parameter }) {
+  return parameter ? `parameter ${parameter}` : [element, jack ?? setting].filter(Boolean).join(' ');
+}
+
+function findingItem({ severity, message, hint, place }) {
+  const isError = severity === 'error';
+  return el('li', { class: `finding ${isError ? 'error' : 'warning'}` },
+    el('p', null, el('strong', null, isError ? 'Error' : 'Warning'), ' ', message),
+    hint && el('p', { class: 'hint' }, hint),
+    place && button(`Show ${placeName(place)}`, () => highlight(place), { class: 'small' }));
+}
+
+function count(number, word) {
+  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : null;
+}
+
+function showFindings() {
+  const errors = state.findings.filter(({ severity }) => severity === 'error').length;
+  const summary = [count(errors, 'error'), count(state.findings.length - errors, 'warning')].filter(Boolean).join(', ');
+  byId('findings').replaceChildren(...state.findings.map(findingItem));
+  byId('checks').dataset.worst = errors ? 'error' : summary ? 'warning' : 'none';
+  const text = summary || 'The patch has no faults';
+  if (byId('checks-text').textContent !== text) byId('checks-text').textContent = text;
+}
+
+/** Where the user looks: the pointer, or the control with the focus if a key was the last input. */
+let pointer = null;
+
+function place(box) {
+  const focus = document.activeElement?.getBoundingClientRect();
+  const { x, y } = pointer ?? { x: focus?.left ?? innerWidth / 2, y: focus?.bottom ?? innerHeight / 3 };
+  const { width, height } = box.getBoundingClientRect();
+  const within = (value, size, whole) => Math.max(Math.min(value, whole - size - 12), 12);
+  box.style.left = `${within(x + 12, width, innerWidth)}px`;
+  box.style.top = `${within(y + 16, height, innerHeight)}px`;
+}
+
+/** Shows a message near the pointer and reads it out. A message stays while the pointer is on it. */
+export function toast(message, kind = 'error') {
+  const close = () => box.remove();
+  const box = el('div', { class: `toast ${kind}` }, el('p', null, message),
+    button('×', close, { class: 'close', 'aria-label': 'Close the message' }));
+  byId('toasts').replaceChildren(box);
+  place(box);
+  const spoken = byId('spoken');
+  spoken.textContent = '';
+  // An equal text is read out again only if it was removed before.
+  requestAnimationFrame(() => { spoken.textContent = message; });
+  const time = SHOWN + SHOWN_PER_LETTER * message.length;
+  let timer = setTimeout(close, time);
+  box.addEventListener('pointerenter', () => clearTimeout(timer));
+  box.addEventListener('pointerleave', () => { timer = setTimeout(close, time / 2); });
+}
+
+/** Connects the list and the messages. `reconnect` is called by the button of a lost connection. */
+export function mountMessages(reconnect) {
+  document.addEventListener('pointermove', ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; }, { passive: true });
+  document.addEventListener('pointerdown', ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; }, { passive: true });
+  document.addEventListener('keydown', () => { pointer = null; });
+  on('findings', showFindings);
+  on('refused', ({ message, place: where }) => {
+    toast(message);
+    if (where) highlight(where);
+  });
+  on('link', ({ connected, message }) => {
+    const bar = byId('link');
+    bar.hidden = connected;
+    bar.replaceChildren(...connected ? [] : [el('p', null, message), button('Connect again', reconnect, { class: 'primary' })]);
+  });
+  on('probing', ({ active }) => {
+    document.documentElement.toggleAttribute('data-probing', active);
+    byId('probing').hidden = !active;
+  });
+}

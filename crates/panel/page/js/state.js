@@ -1,0 +1,157 @@
+/** The session as the page knows it. Views listen to events; commands go out one request at a time. */
+
+import { decode } from './frame.js';
+import { connect } from './link.js';
+
+/** The latest data of each event. */
+export const state = {
+  hello: null, patch: null, findings: [], machine: null, scopes: [], schematic: null, equations: null, frame: null,
+  /** @type {import('./link.js').Link | null} */
+  host: null,
+};
+
+/** Which events are kept, and which part of them. */
+const KEPT = {
+  hello: (data) => data, patch: (data) => data, machine: (data) => data, schematic: (data) => data,
+  equations: (data) => data, findings: (data) => data.findings, scopes: (data) => data.scopes,
+};
+
+/** @type {Map<string, Set<(data: any) => void>>} */
+const listeners = new Map();
+
+/**
+ * Calls the listener with the data of each event of this name. The page adds `frame`,
+ * `link` ({connected, message}), `highlight` (a place), `probing` ({active}) and `theme`.
+ * @returns {() => void} removes the listener
+ */
+export function on(name, listener) {
+  if (!listeners.has(name)) listeners.set(name, new Set());
+  listeners.get(name).add(listener);
+  return () => listeners.get(name).delete(listener);
+}
+
+/** Calls the listeners. A fault in one of them does not keep the others from running. */
+export function emit(name, data) {
+  for (const listener of [...(listeners.get(name) ?? [])]) {
+    try {
+      listener(data);
+    } catch (fault) {
+      reportError(fault);
+    }
+  }
+}
+
+/** @typedef {{commands: any[], key: string | null, answer: Promise<any[]>, resolve: (events: any[]) => void}} Job */
+
+/** @type {Job[]} */
+const waiting = [];
+let isOpen = false;
+let requests = 0;
+
+/** A name of what the command sets, if only its last value counts: a knob sends faster than the session answers. */
+function replaceable(commands) {
+  if (commands.length !== 1) return null;
+  const { command, name, element, setting, scope } = commands[0];
+  return ['parameter', 'setting', 'scrub', 'null-meter', 'meter', 'scope', 'time-scale'].includes(command)
+    ? JSON.stringify([command, name, element, setting, scope]) : null;
+}
+
+const isAdvance = (/** @type {Job} */ job) => job.commands[0].command === 'advance';
+
+/**
+ * Sends commands. Resolves with the events of the answer after the listeners were called; if the link is lost, with
+ * no events.
+ * @returns {Promise<any[]>}
+ */
+export function send(...commands) {
+  const key = replaceable(commands);
+  const before = waiting.findLast((job) => !isAdvance(job));
+  if (key !== null && before?.key === key) {
+    before.commands = commands;
+    return before.answer;
+  }
+  let resolve;
+  const answer = new Promise((done) => { resolve = done; });
+  waiting.push({ commands, key, answer, resolve });
+  pump();
+  return answer;
+}
+
+async function pump() {
+  if (isOpen || waiting.length === 0 || !state.host) return;
+  isOpen = true;
+  const { commands, resolve } = waiting.shift();
+  requests += 1;
+  let events = [];
+  try {
+    const answer = await state.host.request(JSON.stringify({ id: requests, commands }));
+    events = receive(answer);
+  } catch (fault) {
+    console.warn(fault);
+  }
+  isOpen = false;
+  resolve(events);
+  pump();
+}
+
+/** Takes an answer over into the state, then calls the listeners. */
+function receive({ text, frame }) {
+  const { events } = JSON.parse(text);
+  for (const { event, ...data } of events) {
+    if (event in KEPT) state[event] = KEPT[event](data);
+    // Voltages belong to one patch: those of the last one would be shown at the wrong outputs.
+    if (event === 'patch') state.frame = null;
+  }
+  for (const { event, ...data } of events) emit(event, data);
+  if (frame) {
+    state.frame = decode(frame);
+    emit('frame', state.frame);
+  }
+  return events;
+}
+
+/** Connects to the host. Rejects if there is none. */
+export async function open() {
+  const host = await connect();
+  state.host = host;
+  emit('link', { connected: true, message: '' });
+  host.lost.then((message) => {
+    state.host = null;
+    for (const job of waiting.splice(0)) job.resolve([]);
+    emit('link', { connected: false, message });
+  });
+}
+
+/** Asks the views to show a place at the panel. */
+export function highlight(place) {
+  emit('highlight', place);
+}
+
+/** @type {((output: string) => void) | null} */
+let probe = null;
+
+/**
+ * Waits for a click on an output in any view. Only one listener waits at a time.
+ * @param {(output: string) => void} listener called once, unless the user cancels
+ */
+export function selectProbe(listener) {
+  probe = listener;
+  emit('probing', { active: true });
+}
+
+/** A view reports a click on an output. */
+export function probed(output) {
+  const listener = probe;
+  cancelProbe();
+  listener?.(output);
+}
+
+export function cancelProbe() {
+  if (probe === null) return;
+  probe = null;
+  emit('probing', { active: false });
+}
+
+export function isProbing() {
+  return probe !== null;
+}

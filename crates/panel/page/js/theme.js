@@ -1,0 +1,14 @@
+// Runs before the page is drawn, so that it never appears in the wrong colours.
+(() => {
+  const root = document.documentElement;
+  const dark = matchMedia('(prefers-color-scheme: dark)');
+  const show = () => {
+    const chosen = localStorage.getItem('patchcord.theme') ?? 'system';
+    root.dataset.theme = chosen === 'system' ? (dark.matches ? 'dark' : 'light') : chosen;
+    root.toggleAttribute('data-projector', localStorage.getItem('patchcord.projector') === 'true');
+    root.dispatchEvent(new Event('themechange'));
+  };
+  dark.addEventListener('change', show);
+  root.addEventListener('themeset', show);
+  show();
+})();

@@ -1,0 +1,104 @@
+//! A program together with a run of it. The run borrows the program, so both are in one cell.
+
+use std::sync::Arc;
+
+use patchcord_core::ir::Program;
+use patchcord_core::solve::{Checkpoint, LiveRun, RunError, RunSettings};
+use self_cell::self_cell;
+
+/// Largest number of checkpoints of a run.
+const MAX_CHECKPOINTS: usize = 32;
+
+self_cell!(
+    /// A program and its run.
+    pub(super) struct LiveMachine {
+        owner: Arc<Program>,
+        #[not_covariant]
+        dependent: Live,
+    }
+);
+
+/// A run with instants to which it can return.
+pub(super) struct Live<'p> {
+    /// The run.
+    pub run: LiveRun<'p>,
+    /// Checkpoints since the last initial condition, in order of time.
+    checkpoints: Vec<Checkpoint<'p>>,
+    /// Least time between two checkpoints, in seconds.
+    interval: f64,
+    /// The times since the last initial condition at which a user changed something, in seconds, ascending.
+    changes: Vec<f64>,
+}
+
+/// Makes a machine in initial condition.
+///
+/// # Errors
+/// If the run cannot begin.
+pub(super) fn live_machine(program: &Arc<Program>, settings: &RunSettings) -> Result<LiveMachine, RunError> {
+    let interval = settings.duration() / MAX_CHECKPOINTS as f64;
+    LiveMachine::try_new(Arc::clone(program), |program| {
+        let run = LiveRun::new(program, settings)?;
+        Ok(Live { run, checkpoints: Vec::new(), interval, changes: Vec::new() })
+    })
+}
+
+impl Live<'_> {
+    /// Forgets all checkpoints, because the machine was put into initial condition.
+    pub(super) fn forget_checkpoints(&mut self) {
+        self.checkpoints.clear();
+        self.changes.clear();
+    }
+
+    /// Notes that a user has changed something at the present instant.
+    ///
+    /// # Errors
+    /// If the voltages cannot be evaluated.
+    pub(super) fn note_change(&mut self) -> Result<(), RunError> {
+        let clock = self.run.clock();
+        if clock > 0.0 && self.changes.last() != Some(&clock) {
+            self.changes.push(clock);
+        }
+        self.keep_checkpoint(clock > 0.0)
+    }
+
+    /// The time of the earliest checkpoint by the recorder's clock, in seconds.
+    pub(super) fn oldest(&self) -> Option<f64> {
+        self.checkpoints.first().map(Checkpoint::clock)
+    }
+
+    /// Keeps the present instant if enough time has passed since the last checkpoint, or if `is_needed`. With too many
+    /// checkpoints, every second one is dropped, and the next ones are twice as far apart.
+    ///
+    /// # Errors
+    /// If the voltages cannot be evaluated.
+    pub(super) fn keep_checkpoint(&mut self, is_needed: bool) -> Result<(), RunError> {
+        let since = self.checkpoints.last().map_or(f64::INFINITY, |last| self.run.clock() - last.clock());
+        if since < self.interval && !is_needed {
+            return Ok(());
+        }
+        self.checkpoints.push(self.run.checkpoint()?);
+        if self.checkpoints.len() > MAX_CHECKPOINTS {
+            let mut index = 0;
+            self.checkpoints.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            self.interval *= 2.0;
+        }
+        Ok(())
+    }
+
+    /// Returns to the last checkpoint that is not after a time by the recorder's clock, and drops later ones. Returns
+    /// the time up to which the run can be repeated from there: the given one, or an earlier one at which a user changed
+    /// something. `None` if there is no checkpoint.
+    pub(super) fn return_before(&mut self, clock: f64) -> Option<f64> {
+        let count = self.checkpoints.partition_point(|checkpoint| checkpoint.clock() <= clock);
+        self.checkpoints.truncate(count);
+        let checkpoint = self.checkpoints.last()?;
+        let begin = checkpoint.clock();
+        self.run.return_to(checkpoint);
+        let change = self.changes.iter().copied().find(|change| *change > begin).unwrap_or(f64::INFINITY);
+        self.changes.retain(|change| *change <= begin);
+        Some(clock.min(change))
+    }
+}

@@ -1,0 +1,242 @@
+//! Sessions: what a client sees after its commands.
+
+use std::fs;
+use std::path::Path;
+
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+use patchcord_core::solve::{LiveRun, RunSettings};
+use patchcord_panel::frame::{Frame, decode};
+use patchcord_panel::{Session, SessionOptions};
+use serde_json::{Value, json};
+
+/// The text of a shipped patch.
+fn text(file: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../patches").join(file)).unwrap()
+}
+
+/// A client of a session.
+struct Client(Session);
+
+impl Client {
+    /// A client that has opened a shipped patch.
+    fn with(file: &str) -> Client {
+        let mut client = Client(Session::new(SessionOptions::default()));
+        client.send(json!({"command": "open", "name": file, "text": text(file)}));
+        client
+    }
+
+    /// Sends a command, and returns the events.
+    fn send(&mut self, command: Value) -> Vec<Value> {
+        self.request(command).0
+    }
+
+    /// Sends a command, and returns the events and the frame.
+    fn request(&mut self, command: Value) -> (Vec<Value>, Option<Frame>) {
+        let request = json!({"id": 1, "commands": [command]}).to_string();
+        let answer = self.0.request(&request, &mut || false);
+        let response: Value = serde_json::from_str(&answer.text).unwrap();
+        assert_eq!(response["frame"], answer.frame.is_some());
+        let events = response["events"].as_array().unwrap().clone();
+        (events, answer.frame.map(|bytes| decode(&bytes).unwrap()))
+    }
+
+    /// Advances the clock, and returns the frame.
+    fn advance(&mut self, seconds: f64) -> Frame {
+        self.request(json!({"command": "advance", "seconds": seconds})).1.unwrap()
+    }
+
+    /// Selects a mode.
+    fn mode(&mut self, mode: &str) -> Vec<Value> {
+        self.send(json!({"command": "mode", "mode": mode}))
+    }
+
+    /// The event `patch` after a question.
+    fn patch(&mut self) -> Value {
+        let events = self.send(json!({"command": "hello"}));
+        event(&events, "patch").clone()
+    }
+
+    /// The voltage of an output in a frame.
+    fn volts(&mut self, frame: &Frame, output: &str) -> f64 {
+        let patch = self.patch();
+        let outputs = patch["outputs"].as_array().unwrap();
+        let index = outputs.iter().position(|known| known["name"] == output).unwrap();
+        f64::from(frame.volts[index])
+    }
+}
+
+/// The last event of a name.
+fn event<'e>(events: &'e [Value], name: &str) -> &'e Value {
+    let found = events.iter().rfind(|event| event["event"] == name);
+    found.unwrap_or_else(|| panic!("no event {name} in {events:?}"))
+}
+
+/// The message of the refusal among the events.
+fn refusal(events: &[Value]) -> String {
+    event(events, "refused")["message"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn the_machine_follows_the_clock_and_has_the_voltages_of_a_run() {
+    let mut client = Client::with("thesis/fig-8-16.json");
+    client.mode("operate");
+    let mut frame = client.advance(0.0);
+    for _ in 0..60 {
+        frame = client.advance(1.0 / 60.0);
+    }
+    assert!((frame.header.time - 1.0).abs() < 3e-5, "{}", frame.header.time);
+    let patch = Patch::parse("p.json", &text("thesis/fig-8-16.json")).unwrap();
+    let circuit = Circuit::new(&patch).unwrap();
+    let program = Program::new(&circuit).unwrap();
+    let mut run = LiveRun::new(&program, &RunSettings::of(&circuit).unwrap()).unwrap();
+    while run.clock() < frame.header.time - 1e-6 {
+        run.advance(frame.header.time, u64::MAX).unwrap();
+    }
+    for element in ["A1", "A2", "A4"] {
+        let expected = run.machine().unwrap().voltage(element).unwrap();
+        assert_eq!(client.volts(&frame, element), f64::from(expected as f32), "{element}");
+    }
+}
+
+#[test]
+fn a_turned_parameter_acts_at_once_and_undo_turns_it_back_without_a_reset() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.mode("operate");
+    let before = client.advance(0.5).header.time;
+    let events = client.send(json!({"command": "parameter", "name": "m", "value": 4}));
+    assert_eq!(event(&events, "parameter")["value"], 4.0);
+    client.advance(0.1);
+    let (events, frame) = client.request(json!({"command": "advance", "seconds": 0.1}));
+    let patch = event(&events, "patch");
+    assert_eq!((&patch["parameters"][0]["value"], &patch["undo"]), (&json!(4.0), &json!("turn m")));
+    // P1 is k/m times scales: 40 / 4 * (1/10) / 10.
+    let pot = patch["elements"].as_array().unwrap().iter().find(|element| element["name"] == "P1").unwrap();
+    assert!((pot["settings"][0]["value"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+    assert!((frame.unwrap().header.time - before - 0.2).abs() < 2e-3);
+    let events = client.send(json!({"command": "undo"}));
+    assert_eq!(event(&events, "parameter")["value"], 1.0);
+    assert!(client.advance(0.1).header.time > before + 0.2);
+    let refused = client.send(json!({"command": "parameter", "name": "m", "value": 40}));
+    assert!(refusal(&refused).contains("m"), "{refused:?}");
+}
+
+#[test]
+fn a_cord_that_is_pulled_out_is_a_finding_and_the_machine_runs_on_with_0_v() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.mode("operate");
+    client.advance(0.3);
+    let frame = client.advance(0.2);
+    let (time, velocity) = (frame.header.time, client.volts(&frame, "A1"));
+    let events = client.send(json!({"command": "unplug", "element": "A1", "jack": "x10", "from": "P1"}));
+    let findings = event(&events, "findings")["findings"].as_array().unwrap().clone();
+    let fault = findings.iter().find(|finding| finding["code"] == "no-driver").unwrap();
+    assert_eq!(fault["place"]["element"], "A1");
+    assert_eq!(event(&events, "patch")["runs"], true);
+    let frame = client.advance(0.5);
+    assert!((frame.header.time - time - 0.5).abs() < 2e-3);
+    assert_eq!(client.volts(&frame, "A1"), velocity);
+    let events = client.send(json!({"command": "undo"}));
+    assert!(event(&events, "findings")["findings"].as_array().unwrap().iter().all(|one| one["severity"] != "error"));
+    let frame = client.advance(0.2);
+    assert!(client.volts(&frame, "A1") != velocity && frame.header.time > time + 0.6);
+}
+
+#[test]
+fn a_single_sweep_ends_in_hold_and_repetitive_operation_counts() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.mode("single");
+    (0..5).for_each(|_| drop(client.advance(1.0)));
+    let frame = client.advance(1.0);
+    assert_eq!((frame.header.mode, frame.header.time), (4, 3.0));
+    client.mode("repetitive");
+    client.send(json!({"command": "rate", "hertz": 50}));
+    let frame = client.advance(1.0);
+    assert!((48..=51).contains(&frame.header.repetitions), "{}", frame.header.repetitions);
+    assert_eq!(frame.header.mode, 5);
+}
+
+#[test]
+fn the_machine_goes_back_in_its_run() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.mode("operate");
+    let mut velocities = Vec::new();
+    for _ in 0..20 {
+        let frame = client.advance(0.1);
+        velocities.push(client.volts(&frame, "A1"));
+    }
+    let events = client.send(json!({"command": "scrub", "time": 0.5}));
+    assert_eq!(event(&events, "machine")["mode"], "hold");
+    let frame = client.advance(0.0);
+    assert!((frame.header.time - 0.5).abs() < 1.1e-3, "{}", frame.header.time);
+    assert!((client.volts(&frame, "A1") - velocities[4]).abs() < 0.6);
+    client.mode("operate");
+    let frame = client.advance(0.1);
+    assert!((client.volts(&frame, "A1") - velocities[5]).abs() < 0.6);
+    assert!(refusal(&client.send(json!({"command": "scrub", "time": 50}))).contains("moved back"));
+}
+
+#[test]
+fn pot_set_shows_settings_and_the_null_meter_compares() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.mode("pot-set");
+    client.send(json!({"command": "meter", "output": "P1"}));
+    client.send(json!({"command": "null-meter", "output": "P1", "divider": 0.39}));
+    let frame = client.advance(0.0);
+    // P1 is 40 / 1 * (1/10) / 10 = 0.4.
+    assert!((frame.header.meter.unwrap() - 40.0).abs() < 1e-9);
+    assert!((frame.header.null_meter.unwrap() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_run_of_a_session_is_that_of_the_command() {
+    let file = "lessons/mass-and-spring.json";
+    let mut client = Client::with(file);
+    let events = client.send(json!({"command": "run"}));
+    let circuit = Circuit::new(&Patch::parse("p.json", &text(file)).unwrap()).unwrap();
+    let trace = patchcord_core::solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap());
+    let mut expected = Vec::new();
+    trace.unwrap().write_csv(&mut expected).unwrap();
+    assert_eq!(event(&events, "table")["csv"].as_str().unwrap().as_bytes(), expected);
+}
+
+#[test]
+fn a_session_continues_from_its_snapshot() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.send(json!({"command": "parameter", "name": "m", "value": 2}));
+    client.mode("repetitive");
+    let events = client.send(json!({"command": "snapshot"}));
+    let snapshot = event(&events, "snapshot")["snapshot"].clone();
+    let mut other = Client(Session::new(SessionOptions::default()));
+    let events = other.send(json!({"command": "restore", "snapshot": snapshot}));
+    assert_eq!(event(&events, "machine")["mode"], "repetitive");
+    assert_eq!(event(&events, "patch")["parameters"][0]["value"], 2.0);
+    other.send(json!({"command": "undo"}));
+    let events = other.send(json!({"command": "undo"}));
+    assert_eq!(event(&events, "parameter")["value"], 1.0);
+}
+
+#[test]
+fn wrong_requests_are_refused_and_change_nothing() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    let before = client.patch();
+    for wrong in ["", "{}", "[1]", r#"{"id": 1, "commands": [{"command": "fly"}]}"#, r#"{"id": 1, "commands": 3}"#] {
+        let answer = client.0.request(wrong, &mut || false);
+        assert!(answer.text.contains("refused") && answer.frame.is_none(), "{wrong}: {}", answer.text);
+    }
+    for wrong in [
+        json!({"command": "speed", "factor": -1}),
+        json!({"command": "advance", "seconds": 1e9}),
+        json!({"command": "sweep", "seconds": 1e-9}),
+        json!({"command": "meter", "output": "A99"}),
+        json!({"command": "erase", "scope": 7}),
+        json!({"command": "open", "name": "x", "text": "not a patch"}),
+        json!({"command": "plug", "element": "A99", "jack": "x1", "from": "A1"}),
+        json!({"command": "redo"}),
+        json!({"command": "restore", "snapshot": {}}),
+    ] {
+        assert!(!refusal(&client.send(wrong.clone())).is_empty(), "{wrong}");
+    }
+    assert_eq!(client.patch(), before);
+}

@@ -1,0 +1,38 @@
+//! What all requests share.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use tokio::sync::Semaphore;
+
+use crate::browsers::Browsers;
+use crate::limits::Limits;
+use crate::names::Names;
+use crate::token::Token;
+
+/// The patch that the panel opens first.
+#[derive(Debug, Clone)]
+pub struct GivenPatch {
+    /// Name of its file, without a folder.
+    pub name: String,
+    /// Its text, which may have faults.
+    pub text: String,
+}
+
+/// The state of a server.
+pub(crate) struct Host {
+    /// The names of the server.
+    pub names: Names,
+    /// The token of its address.
+    pub token: Token,
+    /// The patch that the panel opens first.
+    pub patch: Option<GivenPatch>,
+    /// The folder below which sessions read tables.
+    pub folder: PathBuf,
+    /// The limits.
+    pub limits: Limits,
+    /// One permit for each further session.
+    pub slots: Arc<Semaphore>,
+    /// The open panels.
+    pub browsers: Arc<Browsers>,
+}

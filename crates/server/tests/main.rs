@@ -1,0 +1,6 @@
+//! Integration tests of the server: who may use it, what it serves, and its limits.
+
+mod client;
+mod limits;
+mod pages;
+mod sessions;
