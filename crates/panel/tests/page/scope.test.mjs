@@ -3,9 +3,9 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { stepOf, stepVolts } from '../js/scope-controls.js';
-import { reading, scales, si } from '../js/scope-grid.js';
-import { Trace } from '../js/scope-trace.js';
+import { stepOf, stepVolts } from '../../page/js/scope-controls.js';
+import { reading, scales, si } from '../../page/js/scope-grid.js';
+import { Trace } from '../../page/js/scope-trace.js';
 
 const time = (generation, values) => ({
   display: 'time', generation, left: 0, columnSeconds: 0.5, reached: values.length,
