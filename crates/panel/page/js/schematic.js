@@ -1,0 +1,408 @@
+/** The schematic: symbols and wires with live voltages, probes and findings. */
+
+import { button, el, format, quantity, svg } from './dom.js';
+import { choose, outputName, probes } from './probes.js';
+import { emit, highlight, on, state } from './state.js';
+
+/** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
+const SHOWN = 67;
+/** Steps of thickness and colour of a wire from zero to full scale. */
+const LEVELS = 4;
+const ZOOM = [0.1, 6];
+/** The smallest scale at which texts can be read. A larger drawing is cut at first. */
+const READABLE = 0.62;
+/** Pixels that a pointer moves before it pans. */
+const SLACK = 5;
+/** Milliseconds for which a place is ringed. */
+const RINGED = 4000;
+
+const points = (list) => list.reduce((text, value, index) => `${text}${index % 2 ? ',' : ' '}${value}`, '');
+
+/** A primitive as `Schematic::to_live_json` has it. */
+function shape([form, ink, ...rest]) {
+  const line = (width) => ({ class: `ink-${ink}`, fill: 'none', 'stroke-width': width });
+  const filled = { class: `fill-${ink}` };
+  switch (form) {
+    case 'line': return svg('polyline', { ...line(rest[0]), points: points(rest[1]) });
+    case 'area': return svg('polygon', { ...filled, points: points(rest[0]) });
+    case 'ring': return svg('circle', { ...line(rest[0]), cx: rest[1], cy: rest[2], r: rest[3] });
+    case 'disc': return svg('circle', { ...filled, cx: rest[0], cy: rest[1], r: rest[2] });
+    default: return svg('text', {
+      ...filled, 'font-size': rest[0], 'text-anchor': rest[1], x: rest[2], y: rest[3], 'data-setting': rest[5],
+    }, rest[4]);
+  }
+}
+
+function symbolNode({ name, area: [left, top, right, bottom], primitives, outputs }) {
+  return svg('g', { class: 'symbol', 'data-element': name, 'data-output': outputs[0]?.name },
+    svg('rect', { class: 'hit', x: left, y: top, width: (outputs[0]?.from[0] ?? right) - left, height: bottom - top }),
+    primitives.map(shape));
+}
+
+/** The lines of an output: the piece at the symbol, then those of its net. */
+function netNode({ output, net }) {
+  const lines = [[output.from, output.at], ...net?.lines ?? []];
+  const d = lines.map(([[x, y], [u, v]]) => `M${x} ${y}L${u} ${v}`).join('');
+  return svg('g', { class: 'net', 'data-output': output.name },
+    svg('path', { class: 'hit', d }), svg('path', { class: 'wire', d }),
+    net?.dots.map(([cx, cy]) => svg('circle', { cx, cy, r: 3 })),
+    net?.arrows.map(([x, y]) => svg('path', { d: `M${x - 4} ${y}l8-3.5v7z` })));
+}
+
+function outputNode({ output: { name, from: [left, y], at: [right] } }) {
+  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'menu' },
+    svg('rect', { class: 'hit', x: left - 2, y: y - 14, width: right - left + 6, height: 30, rx: 4 }),
+    svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
+}
+
+/** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
+function voltsText(volts) {
+  const text = Math.abs(volts).toFixed(2);
+  return Number(text) === 0 ? '0.00' : `${volts < 0 ? '−' : '+'}${text}`;
+}
+
+/** The text of a setting with another value; null if its unit needs a new drawing. */
+function settingText(text, value) {
+  const [, before, unit] = text.match(/^(\D*?)[−.\d]+( V)?$/u) ?? [];
+  if (before === undefined || value === null) return null;
+  const size = Math.abs(value);
+  const digits = !unit && (size === 0 || size >= 0.01) ? value.toFixed(4) : format(value);
+  return `${before}${digits.replace('-', '−')}${unit ?? ''}`;
+}
+
+/** Shows the schematic. @param {HTMLElement} root */
+export function mountSchematic(root) {
+  const layer = (name) => svg('g', { class: name });
+  const [nets, symbols, outputs, marks] = ['nets', 'symbols', 'outputs', 'marks'].map(layer);
+  const world = svg('g', null, nets, symbols, outputs, marks);
+  const picture = svg('svg', { class: 'schematic', role: 'group', 'aria-label': 'Schematic' }, world);
+  const info = el('p', { class: 'schematic-info', hidden: true });
+  const message = el('p', { class: 'schematic-message', role: 'status', hidden: true });
+  const tools = el('div', { class: 'schematic-tools', role: 'group', 'aria-label': 'Zoom' },
+    [['+', 'Zoom in', 1.3], ['−', 'Zoom out', 1 / 1.3]].map(([sign, name, by]) =>
+      button(sign, () => zoomMiddle(by), { 'aria-label': name, title: `${name} (${sign}, or Ctrl and the wheel)` })),
+    button('Fit', () => fit(), { title: 'Show the whole drawing (0)' }));
+  root.classList.add('schematic-view');
+  root.replaceChildren(picture, info, message, tools);
+
+  /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
+  let drawing = null;
+  let cells = new Map();
+  let cache = new Map();
+  let [lit, last, focused] = [null, 0, null];
+
+  // Pan and zoom.
+
+  let view = { x: 0, y: 0, k: 1 };
+  let isFitted = true;
+  const place = (x, y, k, keeps = false) => {
+    view = { x, y, k };
+    isFitted = keeps;
+    world.setAttribute('transform', `translate(${x} ${y}) scale(${k})`);
+    picture.toggleAttribute('data-free', !keeps);
+  };
+  const zoom = (by, x, y) => {
+    const k = Math.min(ZOOM[1], Math.max(ZOOM[0], view.k * by));
+    place(x - (x - view.x) * k / view.k, y - (y - view.y) * k / view.k, k);
+  };
+  const zoomMiddle = (by) => zoom(by, picture.clientWidth / 2, picture.clientHeight / 2);
+  /** Shows the whole drawing; with a least scale, its upper left part. */
+  const fit = (least = 0) => {
+    const { clientWidth: width, clientHeight: height } = picture;
+    if (!drawing || !width || !height) return;
+    const whole = Math.min(width / drawing.width, height / drawing.height, 1.6);
+    const k = Math.max(whole, least);
+    const middle = (size, own) => Math.max((size - own * k) / 2, 0);
+    place(middle(width, drawing.width), middle(height, drawing.height), k, k === whole);
+  };
+  /** Pans as far as is necessary to show a point of the drawing. */
+  const reveal = ([x, y]) => {
+    const by = (at, size) => (at < 40 || at > size - 40 ? size / 2 - at : 0);
+    const dx = by(view.x + x * view.k, picture.clientWidth);
+    const dy = by(view.y + y * view.k, picture.clientHeight);
+    if (dx || dy) place(view.x + dx, view.y + dy, view.k);
+  };
+  let isNew = true;
+  const begin = () => {
+    if (!picture.clientWidth || !drawing) return;
+    if (isNew) fit(READABLE);
+    else if (isFitted) fit();
+    isNew = false;
+  };
+  new ResizeObserver(begin).observe(picture);
+
+  const pointers = new Map();
+  let travel = 0;
+  const spread = () => {
+    const [a, b = a] = pointers.values();
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, size: Math.hypot(a.x - b.x, a.y - b.y) };
+  };
+  const local = ({ clientX, clientY }) => {
+    const { left, top } = picture.getBoundingClientRect();
+    return { x: clientX - left, y: clientY - top };
+  };
+  picture.addEventListener('pointerdown', (event) => {
+    if (pointers.size === 0) travel = 0;
+    pointers.set(event.pointerId, local(event));
+  });
+  picture.addEventListener('pointermove', (event) => {
+    if (!pointers.has(event.pointerId)) return;
+    const before = spread();
+    pointers.set(event.pointerId, local(event));
+    const after = spread();
+    travel += Math.hypot(after.x - before.x, after.y - before.y) + Math.abs(after.size - before.size);
+    if (travel < SLACK) return;
+    if (!picture.hasPointerCapture(event.pointerId)) picture.setPointerCapture(event.pointerId);
+    place(view.x + after.x - before.x, view.y + after.y - before.y, view.k);
+    if (before.size && after.size) zoom(after.size / before.size, after.x, after.y);
+  });
+  for (const name of ['pointerup', 'pointercancel', 'pointerleave']) {
+    picture.addEventListener(name, ({ pointerId }) => pointers.delete(pointerId));
+  }
+  // The wheel scrolls the page, unless the user has gone into the drawing.
+  picture.addEventListener('wheel', (event) => {
+    if (!event.ctrlKey && !event.metaKey && !picture.contains(document.activeElement)) return;
+    event.preventDefault();
+    const { x, y } = local(event);
+    zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)), x, y);
+  }, { passive: false });
+
+  // Values.
+
+  const outputOf = (name) => state.patch?.outputs[cells.get(name)?.index];
+  const valueText = (name) => {
+    const volts = state.frame?.volts[cells.get(name)?.index];
+    if (volts === undefined) return '';
+    const { signal, unit, per_volt: perVolt } = outputOf(name);
+    return `${signal ? `${quantity(volts * perVolt, unit)}, ` : ''}${voltsText(volts)} V`;
+  };
+  const showInfo = () => {
+    const cell = cells.get(lit);
+    info.hidden = !cell;
+    if (!cell) return;
+    const to = cell.net?.to.map(([element, jack]) => `${element} ${jack}`).join(', ');
+    const text = [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  ');
+    if (info.textContent !== text) info.textContent = text;
+  };
+  const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
+  const showVolts = (frame) => {
+    const scale = full();
+    for (const cell of cells.values()) {
+      const volts = frame?.volts[cell.index];
+      const text = volts === undefined ? '' : voltsText(volts);
+      if (text !== cell.text) cell.nodes.volts.textContent = cell.text = text;
+      const steps = Math.min(LEVELS, Math.ceil(Math.abs(volts || 0) / scale * LEVELS - 0.04));
+      const level = steps * Math.sign(volts || 0) || 0;
+      if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
+      const lamp = !frame?.lamps[cell.index] ? '' : frame.firstLamp === cell.index ? 'first' : 'lit';
+      if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
+    }
+    showInfo();
+  };
+  on('frame', (frame) => {
+    const now = performance.now();
+    if (now - last < SHOWN || root.hidden) return;
+    last = now;
+    showVolts(frame);
+  });
+
+  // Nets under the pointer or the focus.
+
+  const light = (name) => {
+    if (name === lit) return;
+    lit = name;
+    picture.toggleAttribute('data-lit', cells.has(name));
+    const ends = new Set(cells.get(name)?.net?.to.map(([element]) => element));
+    for (const { output, element, nodes } of cells.values()) {
+      const isLit = output.name === name;
+      for (const node of [nodes.net, nodes.output]) node.classList.toggle('lit', isLit);
+      if (output.name === nodes.symbol.dataset.output) nodes.symbol.classList.toggle('lit', isLit || ends.has(element));
+    }
+    cells.get(name)?.nodes.symbol.classList.add('lit');
+    showInfo();
+  };
+  const under = (event) => event.target.closest?.('[data-output]')?.dataset.output ?? null;
+  const point = (output) => emit('pointed', { output });
+  on('pointed', ({ output }) => light(output ?? null));
+  picture.addEventListener('pointerover', (event) => point(under(event) ?? (picture.contains(document.activeElement) ? focused : null)));
+  picture.addEventListener('pointerleave', () => point(null));
+  picture.addEventListener('focusout', () => point(null));
+  picture.addEventListener('focusin', (event) => {
+    const name = under(event);
+    if (!cells.has(name)) return;
+    rove(name);
+    const said = state.findings.filter(({ place: at }) => at?.element === cells.get(name).element);
+    cells.get(name).nodes.output.setAttribute('aria-label',
+      [outputName(name), valueText(name), ...said.map((finding) => finding.message)].filter(Boolean).join(', '));
+    reveal(cells.get(name).output.at);
+    point(name);
+  });
+
+  // Actions.
+
+  const rove = (name) => {
+    cells.get(focused)?.nodes.output.setAttribute('tabindex', -1);
+    cells.get(name)?.nodes.output.setAttribute('tabindex', 0);
+    focused = name;
+  };
+  const openKnob = (element) => {
+    const setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name;
+    if (setting) highlight({ element, setting });
+  };
+  picture.addEventListener('click', (event) => {
+    const node = event.target.closest('.net, .output');
+    if (node && travel < SLACK) choose(node.dataset.output, node, event);
+  });
+  picture.addEventListener('dblclick', ({ target }) => {
+    const symbol = target.closest('.symbol');
+    if (symbol) openKnob(symbol.dataset.element);
+  });
+  const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] };
+  /** The output that is nearest in a direction. Those straight ahead come before those at the side. */
+  const nearest = ([dx, dy]) => {
+    const [x, y] = cells.get(focused).output.at;
+    let [found, least] = [focused, Infinity];
+    for (const [name, { output: { at: [u, v] } }] of cells) {
+      const along = (u - x) * dx + (v - y) * dy;
+      const far = along + 2.5 * Math.abs((u - x) * dy + (v - y) * dx);
+      if (along > 1 && far < least) [found, least] = [name, far];
+    }
+    return found;
+  };
+  const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
+  root.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('button')) return;
+    const node = event.target.closest('.output');
+    const names = [...cells.keys()];
+    const act = {
+      '+': () => zoomMiddle(1.3), '-': () => zoomMiddle(1 / 1.3), 0: () => fit(),
+      Home: () => go(names[0]), End: () => go(names.at(-1)),
+      ...node && {
+        Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element),
+        Escape: () => point(null),
+      },
+    }[event.key] ?? (ARROWS[event.key] && (() => go(node ? nearest(ARROWS[event.key]) : focused)));
+    if (!act || !cells.has(focused)) return;
+    // A probe that waits is called off by the page.
+    if (event.key !== 'Escape') event.preventDefault();
+    act();
+  });
+
+  // Probes, findings, and places to which something points.
+
+  let ring = null;
+  let timer = 0;
+  const spot = ({ element, jack }) => {
+    const symbol = drawing?.symbols.find(({ name }) => name === element);
+    const input = symbol?.inputs.find((each) => each.jack === jack);
+    return symbol && { symbol, at: input?.at ?? null };
+  };
+  const showMarks = () => {
+    const counts = new Map();
+    const tips = probes().filter(({ output }) => cells.has(output)).map(({ output, mark, look, name }) => {
+      const count = counts.get(output) ?? 0;
+      counts.set(output, count + 1);
+      const { at: [x, y] } = cells.get(output).output;
+      return svg('g', { class: 'tip', 'data-look': look, role: 'img', 'aria-label': `${name} at ${outputName(output)}` },
+        svg('title', null, name), svg('path', { class: 'needle', d: `M${x - 3} ${y}l6-12` }),
+        svg('rect', { x: x - 3 + 24 * count, y: y - 25, width: 22, height: 14, rx: 7 }),
+        svg('text', { x: x + 8 + 24 * count, y: y - 14.5 }, mark));
+    });
+    const places = new Map();
+    const flags = state.findings.map(({ severity, message: text, place: where }) => {
+      const found = where?.element && spot(where);
+      if (!found) return null;
+      const [x, y] = found.at ?? [found.symbol.area[0] + 4, found.symbol.area[1] + 4];
+      const count = places.get(`${x} ${y}`) ?? 0;
+      places.set(`${x} ${y}`, count + 1);
+      const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${where.element}${where.jack ? ` ${where.jack}` : ''}: ${text}`;
+      return svg('g', { class: `flag ${severity}`, role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count} ${y - 7})` },
+        svg('title', null, text), svg('path', { d: 'M0-8.5 8.5 6.5H-8.5Z' }), svg('text', { y: 5 }, '!'));
+    });
+    marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
+  };
+  on('scopes', showMarks);
+  on('meter', showMarks);
+  on('findings', showMarks);
+  on('highlight', (where) => {
+    const found = where?.element && spot(where);
+    if (!found) return;
+    const [left, top, right, bottom] = found.symbol.area;
+    ring = found.at
+      ? svg('circle', { class: 'ring', cx: found.at[0], cy: found.at[1], r: 13 })
+      : svg('rect', { class: 'ring', x: left - 5, y: top - 5, width: right - left + 10, height: bottom - top + 10, rx: 10 });
+    showMarks();
+    reveal(found.at ?? [(left + right) / 2, (top + bottom) / 2]);
+    if (!root.hidden && !where.setting) root.scrollIntoView({ block: 'nearest' });
+    clearTimeout(timer);
+    timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
+  });
+
+  // The drawing. Nodes of unchanged parts stay, so that a knob that is turned does not move the focus.
+
+  const index = () => {
+    const names = state.patch?.outputs.map(({ name }) => name) ?? [];
+    for (const [name, cell] of cells) cell.index = names.indexOf(name);
+  };
+  const draw = () => {
+    const had = picture.contains(document.activeElement) ? focused : null;
+    const kept = new Map();
+    const keep = (make, data) => {
+      const key = `${make.name}${JSON.stringify(data)}`;
+      kept.set(key, cache.get(key) ?? make(data));
+      return kept.get(key);
+    };
+    const byOutput = new Map(drawing.nets.map((net) => [net.from, net]));
+    const made = drawing.symbols.flatMap((symbol) => {
+      const node = keep(symbolNode, symbol);
+      return symbol.outputs.map((output) => {
+        const net = byOutput.get(output.name);
+        const own = keep(outputNode, { output });
+        return { output, net, element: symbol.name, nodes: { symbol: node, net: keep(netNode, { output, net }), output: own, volts: own.lastChild } };
+      });
+    });
+    // In the order of reading: rows, and from left to right in each.
+    const row = ({ output: { at: [, y] } }) => Math.round(y / 90);
+    made.sort((a, b) => row(a) - row(b) || a.output.at[0] - b.output.at[0]);
+    const before = cells;
+    cells = new Map(made.map((cell) => [cell.output.name, cell]));
+    if (kept.size !== cache.size || [...kept.keys()].some((key) => !cache.has(key))) {
+      symbols.replaceChildren(...drawing.symbols.map((symbol) => kept.get(`symbolNode${JSON.stringify(symbol)}`)));
+      nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
+      outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
+    }
+    cache = kept;
+    for (const [name, { nodes }] of cells) {
+      if (before.get(name)?.nodes.net !== nodes.net || !nodes.output.hasAttribute('aria-label')) {
+        nodes.output.setAttribute('aria-label', outputName(name));
+      }
+    }
+    index();
+    rove(cells.has(focused) ? focused : cells.keys().next().value);
+    if (had) go(cells.has(had) ? had : focused);
+    const was = lit;
+    lit = undefined;
+    light(was);
+    showVolts(state.frame);
+    showMarks();
+  };
+  on('schematic', ({ drawing: next, message: text }) => {
+    picture.toggleAttribute('data-stale', !next);
+    message.hidden = !text;
+    message.textContent = text ?? '';
+    if (!next) return;
+    isNew ||= !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
+    drawing = next;
+    begin();
+    draw();
+  });
+  on('patch', ({ elements }) => {
+    index();
+    for (const node of symbols.querySelectorAll('[data-setting]')) {
+      const { element } = node.parentNode.dataset;
+      const setting = elements.find(({ name }) => name === element)?.settings.find(({ name }) => name === node.dataset.setting);
+      const text = setting?.form === 'number' ? settingText(node.textContent, setting.value) : null;
+      if (text !== null && text !== node.textContent) node.textContent = text;
+    }
+  });
+}
