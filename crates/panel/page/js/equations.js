@@ -3,7 +3,7 @@
 import { button, el, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
-import { emit, highlight, on, state } from './state.js';
+import { emit, highlight, on, send, state } from './state.js';
 
 const GREEK = Object.fromEntries('alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ kappa κ lambda λ mu μ nu ν xi ξ rho ρ sigma σ tau τ phi φ chi χ psi ψ omega ω'
   .split(' ').flatMap((word, index, all) => (index % 2 ? [] : [[word, all[index + 1]]])));
@@ -35,7 +35,7 @@ function nameNode(name) {
     onclick: (event) => (at.output ? choose(at.output, node, event) : highlight(at)),
     onpointerenter: () => emit('pointed', at), onpointerleave: () => emit('pointed', {}),
     onfocus: () => emit('pointed', at), onblur: () => emit('pointed', {}),
-  }, printed(name));
+  }, printed(name).flat());
   return node;
 }
 
@@ -103,7 +103,7 @@ function formula(text) {
         const isUnit = left.isNumber && right.name && right.name !== 't' && !meaning(right.name);
         // A fraction alone needs no parentheses in a product.
         const bare = (part) => (part.inner?.length === 1 && part.inner[0].classList?.contains('eq-fraction') ? part.inner : part.nodes);
-        left = { nodes: [...bare(left), token === '*' ? operator(' · ') : '\u2009', ...isUnit ? [right.name] : bare(right)] };
+        left = { nodes: [...bare(left), token === '*' ? operator(' · ') : '\u2009', ...(isUnit ? [right.name] : bare(right))] };
       } else return left;
     }
   };
@@ -142,8 +142,8 @@ function equation(text) {
   if (left === undefined) return words(text);
   const lines = right.split('\n').map((line) => line.trim().split(/\s{2,}/u));
   const value = lines.length === 1 && lines[0].length === 1 ? set(right)
-    : el('span', { class: 'eq-cases' }, lines.map(([one, condition]) => [el('span', null, set(one)), el('span', { class: 'eq-condition' }, words(condition ?? ''))]));
-  return [...set(left), operator(' = '), value];
+    : el('span', { class: 'eq-cases' }, lines.flatMap(([one, condition]) => [el('span', null, set(one)), el('span', { class: 'eq-condition' }, words(condition ?? ''))]));
+  return [...set(left), operator(' = '), ...[value].flat()];
 }
 
 /** Shows the equations. @param {HTMLElement} root */
@@ -157,8 +157,8 @@ export function mountEquations(root) {
   root.replaceChildren(message, body);
 
   const row = (text, faults = []) => el('li', { class: faults.length ? 'eq-wrong' : null }, el('div', { class: 'eq-row' }, equation(text)),
-    faults.map(({ message: fault, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Not solved. '), fault, ' ', hint)));
-  const show = () => {
+    faults.map(({ message: fault, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ' ', fault, '. ', hint)));
+  const show = async () => {
     const view = state.equations;
     if (!view) return;
     message.textContent = view.message ?? '';
@@ -166,8 +166,10 @@ export function mountEquations(root) {
     root.classList.toggle('is-stale', Boolean(view.message));
     if (view.message) return;
     const faults = state.findings.filter(({ code }) => code === 'equation-not-solved');
-    const of = (text) => faults.filter((fault) => fault.message.includes(text));
-    const rest = faults.filter((fault) => !view.stated.some((text) => fault.message.includes(text)));
+    const lines = faults.length ? (await send({ command: 'text' })).find(({ event }) => event === 'text')?.text.split('\n') : null;
+    // A finding says where its equation is in the text of the patch.
+    const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
+    const rest = faults.filter((fault) => !view.stated.some((text) => isOf(text)(fault)));
     body.replaceChildren(
       el('section', null,
         el('div', { class: 'eq-head' }, el('h2', null, 'Solved by the wiring'), copy('text', plain), copy('LaTeX', () => state.equations.latex)),
@@ -175,8 +177,8 @@ export function mountEquations(root) {
         view.more.trim() && el('pre', { class: 'eq-more', tabindex: 0, 'aria-label': 'Values at the start, drives and remarks' }, view.more.trim())),
       view.stated.length > 0 && el('section', null,
         el('div', { class: 'eq-head' }, el('h2', null, 'Stated by the patch')),
-        rest.map((fault) => el('p', { class: 'eq-fault' }, fault.message)),
-        el('ul', { class: 'eq-list' }, view.stated.map((text) => row(text, of(text))))) || '');
+        rest.map(({ message: fault, hint }) => el('p', { class: 'eq-fault' }, fault, '. ', hint)),
+        el('ul', { class: 'eq-list' }, view.stated.map((text) => row(text, faults.filter(isOf(text)))))) || '');
   };
   let drawn = '';
   const refresh = () => {

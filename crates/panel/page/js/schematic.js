@@ -13,6 +13,8 @@ const ZOOM = [0.1, 6];
 const READABLE = 0.62;
 /** Pixels that a pointer moves before it pans. */
 const SLACK = 5;
+/** Pixels at the bottom for the buttons. */
+const TOOLS = 52;
 /** Milliseconds for which a place is ringed. */
 const RINGED = 4000;
 
@@ -35,7 +37,7 @@ function shape([form, ink, ...rest]) {
 
 function symbolNode({ name, area: [left, top, right, bottom], primitives, outputs }) {
   return svg('g', { class: 'symbol', 'data-element': name, 'data-output': outputs[0]?.name },
-    svg('rect', { class: 'hit', x: left, y: top, width: (outputs[0]?.from[0] ?? right) - left, height: bottom - top }),
+    svg('rect', { class: 'hit', x: left - 5, y: top - 5, width: (outputs[0]?.from[0] ?? right) - left + 8, height: bottom - top + 10 }),
     primitives.map(shape));
 }
 
@@ -108,8 +110,9 @@ export function mountSchematic(root) {
   const zoomMiddle = (by) => zoom(by, picture.clientWidth / 2, picture.clientHeight / 2);
   /** Shows the whole drawing; with a least scale, its upper left part. */
   const fit = (least = 0) => {
-    const { clientWidth: width, clientHeight: height } = picture;
-    if (!drawing || !width || !height) return;
+    const width = picture.clientWidth;
+    const height = picture.clientHeight - TOOLS;
+    if (!drawing || !width) return;
     const whole = Math.min(width / drawing.width, height / drawing.height, 1.6);
     const k = Math.max(whole, least);
     const middle = (size, own) => Math.max((size - own * k) / 2, 0);
@@ -302,11 +305,11 @@ export function mountSchematic(root) {
     const tips = probes().filter(({ output }) => cells.has(output)).map(({ output, mark, look, name }) => {
       const count = counts.get(output) ?? 0;
       counts.set(output, count + 1);
-      const { at: [x, y] } = cells.get(output).output;
+      const { from: [x, y] } = cells.get(output).output;
       return svg('g', { class: 'tip', 'data-look': look, role: 'img', 'aria-label': `${name} at ${outputName(output)}` },
-        svg('title', null, name), svg('path', { class: 'needle', d: `M${x - 3} ${y}l6-12` }),
-        svg('rect', { x: x - 3 + 24 * count, y: y - 25, width: 22, height: 14, rx: 7 }),
-        svg('text', { x: x + 8 + 24 * count, y: y - 14.5 }, mark));
+        svg('title', null, name), svg('path', { class: 'needle', d: `M${x + 1.5} ${y}v-14` }),
+        svg('rect', { x: x - 1.5 + 24 * count, y: y - 28, width: 22, height: 14, rx: 7 }),
+        svg('text', { x: x + 9.5 + 24 * count, y: y - 17.5 }, mark));
     });
     const places = new Map();
     const flags = state.findings.map(({ severity, message: text, place: where }) => {
