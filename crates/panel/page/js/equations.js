@@ -148,7 +148,7 @@ function equation(text) {
 
 /** Shows the equations. @param {HTMLElement} root */
 export function mountEquations(root) {
-  const copy = (name, text) => button(`Copy as ${name}`, () => navigator.clipboard.writeText(text())
+  const copy = (name, text) => button(`Copy ${name}`, () => navigator.clipboard.writeText(text())
     .then(() => toast(`The equations are copied as ${name}.`, 'note'), () => toast('The browser does not permit copying.')), { class: 'small' });
   const plain = () => state.equations.equations.map(({ text }) => text).join('\n');
   const message = el('p', { class: 'eq-message', role: 'status' });
@@ -156,8 +156,9 @@ export function mountEquations(root) {
   root.classList.add('equations-view');
   root.replaceChildren(message, body);
 
+  const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, el('span', null, hint));
   const row = (text, faults = []) => el('li', { class: faults.length ? 'eq-wrong' : null }, el('div', { class: 'eq-row' }, equation(text)),
-    faults.map(({ message: fault, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ' ', fault, '. ', hint)));
+    faults.map(fault));
   const show = async () => {
     const view = state.equations;
     if (!view) return;
@@ -169,7 +170,7 @@ export function mountEquations(root) {
     const lines = faults.length ? (await send({ command: 'text' })).find(({ event }) => event === 'text')?.text.split('\n') : null;
     // A finding says where its equation is in the text of the patch.
     const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
-    const rest = faults.filter((fault) => !view.stated.some((text) => isOf(text)(fault)));
+    const rest = faults.filter((each) => !view.stated.some((text) => isOf(text)(each)));
     body.replaceChildren(
       el('section', null,
         el('div', { class: 'eq-head' }, el('h2', null, 'Solved by the wiring'), copy('text', plain), copy('LaTeX', () => state.equations.latex)),
@@ -177,14 +178,15 @@ export function mountEquations(root) {
         view.more.trim() && el('pre', { class: 'eq-more', tabindex: 0, 'aria-label': 'Values at the start, drives and remarks' }, view.more.trim())),
       view.stated.length > 0 && el('section', null,
         el('div', { class: 'eq-head' }, el('h2', null, 'Stated by the patch')),
-        rest.map(({ message: fault, hint }) => el('p', { class: 'eq-fault' }, fault, '. ', hint)),
+        rest.map(fault),
         el('ul', { class: 'eq-list' }, view.stated.map((text) => row(text, faults.filter(isOf(text)))))) || '');
   };
+  // A knob that is turned changes no name, so that the buttons stay and keep the focus.
   let drawn = '';
   const refresh = () => {
     const { patch, equations, findings } = state;
-    const names = [patch?.parameters, patch?.signals, patch?.outputs].map((list) => list?.map(({ name, at }) => [name, at]));
-    const text = JSON.stringify([equations, names, findings.filter(({ code }) => code === 'equation-not-solved')]);
+    const names = patch && [patch.parameters, patch.signals, patch.outputs].map((list) => list.map(({ name, at }) => [name, at]));
+    const text = JSON.stringify([equations, names, findings]);
     if (text !== drawn) show();
     drawn = text;
   };

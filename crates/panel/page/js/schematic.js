@@ -1,6 +1,6 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { button, el, format, quantity, svg } from './dom.js';
+import { button, el, quantity, svg } from './dom.js';
 import { choose, outputName, probes } from './probes.js';
 import { emit, highlight, on, state } from './state.js';
 
@@ -18,21 +18,19 @@ const TOOLS = 52;
 /** Milliseconds for which a place is ringed. */
 const RINGED = 4000;
 
-const points = (list) => list.reduce((text, value, index) => `${text}${index % 2 ? ',' : ' '}${value}`, '');
-
 /** A primitive as `Schematic::to_live_json` has it. */
 function shape([form, ink, ...rest]) {
-  const line = (width) => ({ class: `ink-${ink}`, fill: 'none', 'stroke-width': width });
+  const line = { class: `ink-${ink}`, fill: 'none', 'stroke-width': rest[0] };
   const filled = { class: `fill-${ink}` };
+  const circle = (look, [cx, cy, r]) => svg('circle', { ...look, cx, cy, r });
   switch (form) {
-    case 'line': return svg('polyline', { ...line(rest[0]), points: points(rest[1]) });
-    case 'area': return svg('polygon', { ...filled, points: points(rest[0]) });
-    case 'ring': return svg('circle', { ...line(rest[0]), cx: rest[1], cy: rest[2], r: rest[3] });
-    case 'disc': return svg('circle', { ...filled, cx: rest[0], cy: rest[1], r: rest[2] });
-    default: return svg('text', {
-      ...filled, 'font-size': rest[0], 'text-anchor': rest[1], x: rest[2], y: rest[3], 'data-setting': rest[5],
-    }, rest[4]);
+    case 'line': return svg('polyline', { ...line, points: rest[1] });
+    case 'area': return svg('polygon', { ...filled, points: rest[0] });
+    case 'ring': return circle(line, rest.slice(1));
+    case 'disc': return circle(filled, rest);
   }
+  const [size, anchor, x, y, text, setting] = rest;
+  return svg('text', { ...filled, x, y, 'font-size': size, 'text-anchor': anchor, 'data-setting': setting }, text);
 }
 
 function symbolNode({ name, area: [left, top, right, bottom], primitives, outputs }) {
@@ -63,15 +61,6 @@ function voltsText(volts) {
   return Number(text) === 0 ? '0.00' : `${volts < 0 ? '−' : '+'}${text}`;
 }
 
-/** The text of a setting with another value; null if its unit needs a new drawing. */
-function settingText(text, value) {
-  const [, before, unit] = text.match(/^(\D*?)[−.\d]+( V)?$/u) ?? [];
-  if (before === undefined || value === null) return null;
-  const size = Math.abs(value);
-  const digits = !unit && (size === 0 || size >= 0.01) ? value.toFixed(4) : format(value);
-  return `${before}${digits.replace('-', '−')}${unit ?? ''}`;
-}
-
 /** Shows the schematic. @param {HTMLElement} root */
 export function mountSchematic(root) {
   const layer = (name) => svg('g', { class: name });
@@ -81,8 +70,8 @@ export function mountSchematic(root) {
   const info = el('p', { class: 'schematic-info', hidden: true });
   const message = el('p', { class: 'schematic-message', role: 'status', hidden: true });
   const tools = el('div', { class: 'schematic-tools', role: 'group', 'aria-label': 'Zoom' },
-    [['+', 'Zoom in', 1.3], ['−', 'Zoom out', 1 / 1.3]].map(([sign, name, by]) =>
-      button(sign, () => zoomMiddle(by), { 'aria-label': name, title: `${name} (${sign}, or Ctrl and the wheel)` })),
+    button('+', () => zoomMiddle(1.3), { 'aria-label': 'Zoom in', title: 'Zoom in (+, or Ctrl and the wheel)' }),
+    button('−', () => zoomMiddle(1 / 1.3), { 'aria-label': 'Zoom out', title: 'Zoom out (−, or Ctrl and the wheel)' }),
     button('Fit', () => fit(), { title: 'Show the whole drawing (0)' }));
   root.classList.add('schematic-view');
   root.replaceChildren(picture, info, message, tools);
@@ -120,10 +109,9 @@ export function mountSchematic(root) {
   };
   /** Pans as far as is necessary to show a point of the drawing. */
   const reveal = ([x, y]) => {
-    const by = (at, size) => (at < 40 || at > size - 40 ? size / 2 - at : 0);
-    const dx = by(view.x + x * view.k, picture.clientWidth);
-    const dy = by(view.y + y * view.k, picture.clientHeight);
-    if (dx || dy) place(view.x + dx, view.y + dy, view.k);
+    const by = (from, at, size) => (from + at * view.k < 40 || from + at * view.k > size - 40 ? size / 2 - at * view.k : from);
+    const [u, v] = [by(view.x, x, picture.clientWidth), by(view.y, y, picture.clientHeight)];
+    if (u !== view.x || v !== view.y) place(u, v, view.k);
   };
   let isNew = true;
   const begin = () => {
@@ -212,16 +200,14 @@ export function mountSchematic(root) {
   // Nets under the pointer or the focus.
 
   const light = (name) => {
-    if (name === lit) return;
     lit = name;
     picture.toggleAttribute('data-lit', cells.has(name));
-    const ends = new Set(cells.get(name)?.net?.to.map(([element]) => element));
-    for (const { output, element, nodes } of cells.values()) {
-      const isLit = output.name === name;
-      for (const node of [nodes.net, nodes.output]) node.classList.toggle('lit', isLit);
-      if (output.name === nodes.symbol.dataset.output) nodes.symbol.classList.toggle('lit', isLit || ends.has(element));
+    for (const node of world.querySelectorAll('.lit')) node.classList.remove('lit');
+    const cell = cells.get(name);
+    const ends = new Set([cell?.element, ...cell?.net?.to.map(([element]) => element) ?? []]);
+    for (const node of [cell?.nodes.net, cell?.nodes.output, ...symbols.children].filter(Boolean)) {
+      if (!node.matches('.symbol') || ends.has(node.dataset.element)) node.classList.add('lit');
     }
-    cells.get(name)?.nodes.symbol.classList.add('lit');
     showInfo();
   };
   const under = (event) => event.target.closest?.('[data-output]')?.dataset.output ?? null;
@@ -248,8 +234,7 @@ export function mountSchematic(root) {
     cells.get(name)?.nodes.output.setAttribute('tabindex', 0);
     focused = name;
   };
-  const openKnob = (element) => {
-    const setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name;
+  const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
     if (setting) highlight({ element, setting });
   };
   picture.addEventListener('click', (event) => {
@@ -258,7 +243,7 @@ export function mountSchematic(root) {
   });
   picture.addEventListener('dblclick', ({ target }) => {
     const symbol = target.closest('.symbol');
-    if (symbol) openKnob(symbol.dataset.element);
+    if (symbol) openKnob(symbol.dataset.element, target.dataset.setting);
   });
   const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] };
   /** The output that is nearest in a direction. Those straight ahead come before those at the side. */
@@ -367,7 +352,6 @@ export function mountSchematic(root) {
     // In the order of reading: rows, and from left to right in each.
     const row = ({ output: { at: [, y] } }) => Math.round(y / 90);
     made.sort((a, b) => row(a) - row(b) || a.output.at[0] - b.output.at[0]);
-    const before = cells;
     cells = new Map(made.map((cell) => [cell.output.name, cell]));
     if (kept.size !== cache.size || [...kept.keys()].some((key) => !cache.has(key))) {
       symbols.replaceChildren(...drawing.symbols.map((symbol) => kept.get(`symbolNode${JSON.stringify(symbol)}`)));
@@ -375,17 +359,11 @@ export function mountSchematic(root) {
       outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
     }
     cache = kept;
-    for (const [name, { nodes }] of cells) {
-      if (before.get(name)?.nodes.net !== nodes.net || !nodes.output.hasAttribute('aria-label')) {
-        nodes.output.setAttribute('aria-label', outputName(name));
-      }
-    }
+    for (const [name, { nodes }] of cells) nodes.output.setAttribute('aria-label', outputName(name));
     index();
     rove(cells.has(focused) ? focused : cells.keys().next().value);
     if (had) go(cells.has(had) ? had : focused);
-    const was = lit;
-    lit = undefined;
-    light(was);
+    light(lit);
     showVolts(state.frame);
     showMarks();
   };
@@ -399,13 +377,5 @@ export function mountSchematic(root) {
     begin();
     draw();
   });
-  on('patch', ({ elements }) => {
-    index();
-    for (const node of symbols.querySelectorAll('[data-setting]')) {
-      const { element } = node.parentNode.dataset;
-      const setting = elements.find(({ name }) => name === element)?.settings.find(({ name }) => name === node.dataset.setting);
-      const text = setting?.form === 'number' ? settingText(node.textContent, setting.value) : null;
-      if (text !== null && text !== node.textContent) node.textContent = text;
-    }
-  });
+  on('patch', index);
 }
