@@ -41,7 +41,14 @@ export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
     probed(output);
     return;
   }
-  const close = () => menu.remove();
+  let isOpen = true;
+  const close = () => {
+    // The focus leaves while the menu is removed.
+    if (isOpen) {
+      isOpen = false;
+      menu.remove();
+    }
+  };
   const back = document.activeElement;
   const items = probes().map(({ name, look, output: now, connect }) => button(name, () => {
     connect(now === output ? null : output);

@@ -40,7 +40,7 @@ function symbolNode({ name, area: [left, top, right, bottom], primitives, output
 }
 
 /** The lines of an output: the piece at the symbol, then those of its net. */
-function netNode({ output, net }) {
+function netNode(output, net) {
   const lines = [[output.from, output.at], ...net?.lines ?? []];
   const d = lines.map(([[x, y], [u, v]]) => `M${x} ${y}L${u} ${v}`).join('');
   return svg('g', { class: 'net', 'data-output': output.name },
@@ -49,8 +49,8 @@ function netNode({ output, net }) {
     net?.arrows.map(([x, y]) => svg('path', { d: `M${x - 4} ${y}l8-3.5v7z` })));
 }
 
-function outputNode({ output: { name, from: [left, y], at: [right] } }) {
-  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'menu' },
+function outputNode({ name, from: [left, y], at: [right] }) {
+  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'menu', 'aria-label': outputName(name) },
     svg('rect', { class: 'hit', x: left - 2, y: y - 14, width: right - left + 6, height: 30, rx: 4 }),
     svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
 }
@@ -79,7 +79,6 @@ export function mountSchematic(root) {
   /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
   let drawing = null;
   let cells = new Map();
-  let cache = new Map();
   let [lit, last, focused] = [null, 0, null];
 
   // Pan and zoom.
@@ -326,44 +325,31 @@ export function mountSchematic(root) {
     timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
   });
 
-  // The drawing. Nodes of unchanged parts stay, so that a knob that is turned does not move the focus.
-
   const index = () => {
     const names = state.patch?.outputs.map(({ name }) => name) ?? [];
     for (const [name, cell] of cells) cell.index = names.indexOf(name);
   };
   const draw = () => {
-    const had = picture.contains(document.activeElement) ? focused : null;
-    const kept = new Map();
-    const keep = (make, data) => {
-      const key = `${make.name}${JSON.stringify(data)}`;
-      kept.set(key, cache.get(key) ?? make(data));
-      return kept.get(key);
-    };
-    const byOutput = new Map(drawing.nets.map((net) => [net.from, net]));
+    const had = picture.contains(document.activeElement);
+    symbols.replaceChildren();
     const made = drawing.symbols.flatMap((symbol) => {
-      const node = keep(symbolNode, symbol);
+      const node = symbols.appendChild(symbolNode(symbol));
       return symbol.outputs.map((output) => {
-        const net = byOutput.get(output.name);
-        const own = keep(outputNode, { output });
-        return { output, net, element: symbol.name, nodes: { symbol: node, net: keep(netNode, { output, net }), output: own, volts: own.lastChild } };
+        const net = drawing.nets.find(({ from }) => from === output.name);
+        const own = outputNode(output);
+        return { output, net, element: symbol.name, nodes: { symbol: node, net: netNode(output, net), output: own, volts: own.lastChild } };
       });
     });
     // In the order of reading: rows, and from left to right in each.
     const row = ({ output: { at: [, y] } }) => Math.round(y / 90);
     made.sort((a, b) => row(a) - row(b) || a.output.at[0] - b.output.at[0]);
     cells = new Map(made.map((cell) => [cell.output.name, cell]));
-    if (kept.size !== cache.size || [...kept.keys()].some((key) => !cache.has(key))) {
-      symbols.replaceChildren(...drawing.symbols.map((symbol) => kept.get(`symbolNode${JSON.stringify(symbol)}`)));
-      nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
-      outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
-    }
-    cache = kept;
-    for (const [name, { nodes }] of cells) nodes.output.setAttribute('aria-label', outputName(name));
+    nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
+    outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
     index();
-    rove(cells.has(focused) ? focused : cells.keys().next().value);
-    if (had) go(cells.has(had) ? had : focused);
-    light(lit);
+    rove(cells.has(focused) ? focused : made[0]?.output.name);
+    if (had) go(focused);
+    else light(lit);
     showVolts(state.frame);
     showMarks();
   };
