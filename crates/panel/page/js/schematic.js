@@ -13,6 +13,8 @@ const ZOOM = [0.1, 6];
 const READABLE = 0.62;
 /** Pixels that a pointer moves before it pans. */
 const SLACK = 5;
+/** Pixels from a finger to the output that it means. */
+const FINGER = 22;
 /** Pixels at the bottom for the buttons. */
 const TOOLS = 52;
 /** Milliseconds for which a place is ringed. */
@@ -175,25 +177,25 @@ export function mountSchematic(root) {
     if (info.textContent !== text) info.textContent = text;
   };
   const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
-  const showVolts = (frame) => {
-    const scale = full();
-    for (const cell of cells.values()) {
-      const volts = frame?.volts[cell.index];
-      const text = volts === undefined ? '' : voltsText(volts);
-      if (text !== cell.text) cell.nodes.volts.textContent = cell.text = text;
-      const steps = Math.min(LEVELS, Math.ceil(Math.abs(volts || 0) / scale * LEVELS - 0.04));
-      const level = steps * Math.sign(volts || 0) || 0;
-      if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
-      const lamp = !frame?.lamps[cell.index] ? '' : frame.firstLamp === cell.index ? 'first' : 'lit';
-      if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
-    }
-    showInfo();
+  /** Writes what has changed. */
+  const paint = (cell, { text, level, lamp }) => {
+    if (text !== cell.text) cell.nodes.volts.textContent = cell.text = text;
+    if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
+    if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
   };
-  on('frame', (frame) => {
+  on('frame', ({ volts, lamps, firstLamp }) => {
     const now = performance.now();
     if (now - last < SHOWN || root.hidden) return;
     last = now;
-    showVolts(frame);
+    const scale = full();
+    for (const cell of cells.values()) {
+      const value = volts[cell.index];
+      if (value === undefined) continue;
+      const steps = Math.min(LEVELS, Math.ceil(Math.abs(value) / scale * LEVELS - 0.04));
+      const lamp = !lamps[cell.index] ? '' : firstLamp === cell.index ? 'first' : 'lit';
+      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp });
+    }
+    showInfo();
   });
 
   // Nets under the pointer or the focus.
@@ -236,8 +238,18 @@ export function mountSchematic(root) {
   const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
     if (setting) highlight({ element, setting });
   };
+  /** The output next to a finger, which is not as precise as a pointer. */
+  const near = ({ pointerType, clientX, clientY }) => {
+    let [found, least] = [null, pointerType === 'touch' ? FINGER : 0];
+    for (const node of outputs.children) {
+      const { left, right, top, bottom } = node.getBoundingClientRect();
+      const away = Math.hypot(Math.max(left - clientX, clientX - right, 0), Math.max(top - clientY, clientY - bottom, 0));
+      if (away < least) [found, least] = [node, away];
+    }
+    return found;
+  };
   picture.addEventListener('click', (event) => {
-    const node = event.target.closest('.net, .output');
+    const node = event.target.closest('.net, .output') ?? near(event);
     if (node && travel < SLACK) choose(node.dataset.output, node, event);
   });
   picture.addEventListener('dblclick', ({ target }) => {
@@ -343,6 +355,8 @@ export function mountSchematic(root) {
     // In the order of reading: rows, and from left to right in each.
     const row = ({ output: { at: [, y] } }) => Math.round(y / 90);
     made.sort((a, b) => row(a) - row(b) || a.output.at[0] - b.output.at[0]);
+    // The last voltages stay until the next frame.
+    for (const cell of made) paint(cell, cells.get(cell.output.name) ?? {});
     cells = new Map(made.map((cell) => [cell.output.name, cell]));
     nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
     outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
@@ -350,7 +364,6 @@ export function mountSchematic(root) {
     rove(cells.has(focused) ? focused : made[0]?.output.name);
     if (had) go(focused);
     else light(lit);
-    showVolts(state.frame);
     showMarks();
   };
   on('schematic', ({ drawing: next, message: text }) => {
