@@ -112,7 +112,7 @@ function formula(text) {
     if (next() === '-') { at += 1; nodes.push('−'); }
     nodes.push(...product().nodes);
     while (next() === '+' || next() === '-') {
-      nodes.push(operator(next() === '+' ? ' + ' : ' − '));
+      nodes.push(operator(next() === '+' ? ' +\u00a0' : ' −\u00a0'));
       at += 1;
       nodes.push(...product().nodes);
     }
@@ -143,7 +143,7 @@ function equation(text) {
   const lines = right.split('\n').map((line) => line.trim().split(/\s{2,}/u));
   const value = lines.length === 1 && lines[0].length === 1 ? set(right)
     : el('span', { class: 'eq-cases' }, lines.flatMap(([one, condition]) => [el('span', null, set(one)), el('span', { class: 'eq-condition' }, words(condition ?? ''))]));
-  return [...set(left), operator(' = '), ...[value].flat()];
+  return [...set(left), operator(' =\u00a0'), ...[value].flat()];
 }
 
 /** Shows the equations. @param {HTMLElement} root */

@@ -301,9 +301,11 @@ export function mountSchematic(root) {
     const tips = probes().filter(({ output }) => cells.has(output)).map(({ output, mark, look, name }) => {
       const count = counts.get(output) ?? 0;
       counts.set(output, count + 1);
-      const { from: [x, y] } = cells.get(output).output;
+      // The outputs of an instance are close to each other, so that the tips are at the ends of their wires.
+      const { port, at, from } = cells.get(output).output;
+      const [x, y] = port ? [at[0], at[1] + 21] : from;
       return svg('g', { class: 'tip', 'data-look': look, role: 'img', 'aria-label': `${name} at ${outputName(output)}` },
-        svg('title', null, name), svg('path', { class: 'needle', d: `M${x + 1.5} ${y}v-14` }),
+        svg('title', null, name), !port && svg('path', { class: 'needle', d: `M${x + 1.5} ${y}v-14` }),
         svg('rect', { x: x - 1.5 + 24 * count, y: y - 28, width: 22, height: 14, rx: 7 }),
         svg('text', { x: x + 9.5 + 24 * count, y: y - 17.5 }, mark));
     });
