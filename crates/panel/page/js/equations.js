@@ -41,7 +41,7 @@ function nameNode(name) {
 
 /** What is hidden is read out, so that a fraction is one in words too. */
 const spoken = (text) => el('span', { class: 'spoken' }, text);
-const operator = (sign) => el('span', { class: 'eq-op' }, sign);
+const operator = (sign) => [el('span', { class: 'eq-op' }, ` ${sign}`), '\u00a0'];
 
 /**
  * Sets a formula in plain text: fractions, powers, primes, functions. Throws if the text is something else, such as a
@@ -55,7 +55,7 @@ function formula(text) {
   const expect = (sign) => { if (next() !== sign) throw new Error(`expected ${sign}`); at += 1; };
   const list = () => {
     const items = [sum()];
-    while (next() === ',') { at += 1; items.push([operator(', '), ...sum()]); }
+    while (next() === ',') { at += 1; items.push([el('span', { class: 'eq-op' }, ', '), ...sum()]); }
     expect(')');
     return items.flat();
   };
@@ -103,7 +103,7 @@ function formula(text) {
         const isUnit = left.isNumber && right.name && right.name !== 't' && !meaning(right.name);
         // A fraction alone needs no parentheses in a product.
         const bare = (part) => (part.inner?.length === 1 && part.inner[0].classList?.contains('eq-fraction') ? part.inner : part.nodes);
-        left = { nodes: [...bare(left), token === '*' ? operator(' · ') : '\u2009', ...(isUnit ? [right.name] : bare(right))] };
+        left = { nodes: [...bare(left), ...(token === '*' ? operator('·') : ['\u2009']), ...(isUnit ? [right.name] : bare(right))] };
       } else return left;
     }
   };
@@ -112,7 +112,7 @@ function formula(text) {
     if (next() === '-') { at += 1; nodes.push('−'); }
     nodes.push(...product().nodes);
     while (next() === '+' || next() === '-') {
-      nodes.push(operator(next() === '+' ? ' +\u00a0' : ' −\u00a0'));
+      nodes.push(...operator(next() === '+' ? '+' : '−'));
       at += 1;
       nodes.push(...product().nodes);
     }
@@ -143,7 +143,7 @@ function equation(text) {
   const lines = right.split('\n').map((line) => line.trim().split(/\s{2,}/u));
   const value = lines.length === 1 && lines[0].length === 1 ? set(right)
     : el('span', { class: 'eq-cases' }, lines.flatMap(([one, condition]) => [el('span', null, set(one)), el('span', { class: 'eq-condition' }, words(condition ?? ''))]));
-  return [...set(left), operator(' =\u00a0'), ...[value].flat()];
+  return [...set(left), ...operator('='), ...[value].flat()];
 }
 
 /** Shows the equations. @param {HTMLElement} root */
