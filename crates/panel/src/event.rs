@@ -54,7 +54,7 @@ pub enum Event {
         /// The controls of both scopes.
         scopes: Vec<ScopeControls>,
     },
-    /// The schematic, as `patchcord draw --json` has it, with the primitives of each symbol.
+    /// The schematic, as `Schematic::to_live_json` has it.
     Schematic {
         /// The drawing; absent if the patch cannot be drawn.
         drawing: Option<Value>,
