@@ -5,11 +5,30 @@
 pub struct Page {
     /// Its path in the folder `page`, which is its address below that of the panel: "js/main.js".
     pub path: &'static str,
-    /// Its content.
-    pub bytes: &'static [u8],
+    /// Its text, as it is in the folder.
+    text: &'static str,
 }
 
 impl Page {
+    /// Its content as it is sent: scripts and style sheets without lines of comments and without indentation.
+    ///
+    /// No text in them spans lines, which a test asserts, so this changes nothing else.
+    pub fn content(&self) -> String {
+        if !self.path.ends_with(".js") && !self.path.ends_with(".css") {
+            return self.text.to_owned();
+        }
+        let (mut content, mut is_comment) = (String::with_capacity(self.text.len()), false);
+        for line in self.text.lines().map(str::trim) {
+            is_comment |= line.starts_with("/*");
+            if !is_comment && !line.is_empty() && !line.starts_with("//") {
+                content.push_str(line);
+                content.push('\n');
+            }
+            is_comment &= !line.ends_with("*/");
+        }
+        content
+    }
+
     /// Its MIME type, which follows from the ending of its path.
     pub fn kind(&self) -> &'static str {
         match self.path.rsplit_once('.').map_or("", |(_, ending)| ending) {
@@ -26,20 +45,23 @@ impl Page {
 /// The table of files with these paths.
 macro_rules! pages {
     ($($path:literal),* $(,)?) => {
-        &[$(Page { path: $path, bytes: include_bytes!(concat!("../page/", $path)) }),*]
+        &[$(Page { path: $path, text: include_str!(concat!("../page/", $path)) }),*]
     };
 }
 
 /// All pages, in alphabetical order of their paths.
 pub const PAGES: &[Page] = pages![
+    "css/equations.css",
     "css/knobs.css",
     "css/panel.css",
+    "css/schematic.css",
     "css/scope.css",
     "icon.svg",
     "index.html",
     "js/controls.js",
     "js/dial.js",
     "js/dom.js",
+    "js/equations.js",
     "js/files.js",
     "js/frame.js",
     "js/keys.js",
@@ -50,6 +72,8 @@ pub const PAGES: &[Page] = pages![
     "js/main.js",
     "js/messages.js",
     "js/meters.js",
+    "js/probes.js",
+    "js/schematic.js",
     "js/scope-controls.js",
     "js/scope-export.js",
     "js/scope-grid.js",
@@ -90,6 +114,31 @@ mod tests {
         found.sort();
         let listed: Vec<&str> = PAGES.iter().map(|page| page.path).collect();
         assert_eq!(listed, found);
+    }
+
+    #[test]
+    fn comments_and_indentation_are_not_sent() {
+        let text = "/** Adds. */\n  const a = 1; // kept\n\n/*\n * b\n */\n// c\nadd(a);\n";
+        let page = Page { path: "a.js", text };
+        assert_eq!(page.content(), "const a = 1; // kept\nadd(a);\n");
+        assert_eq!(Page { path: "a.json", text }.content(), text);
+    }
+
+    #[test]
+    fn no_text_of_a_script_spans_lines() {
+        for page in PAGES.iter().filter(|page| page.path.ends_with(".js")) {
+            for (number, line) in page.text.lines().enumerate() {
+                let quotes = line.replace("\\`", "").matches('`').count();
+                assert!(quotes % 2 == 0, "{}:{}", page.path, number + 1);
+            }
+        }
+    }
+
+    #[test]
+    fn all_scripts_together_are_small() {
+        let scripts = PAGES.iter().filter(|page| page.path.ends_with(".js"));
+        let bytes: usize = scripts.map(|page| page.content().len()).sum();
+        assert!(bytes <= 150_000, "{bytes} bytes");
     }
 
     #[test]

@@ -421,7 +421,7 @@ impl Session {
             return Event::Schematic { drawing: None, message };
         };
         match Schematic::new(&compiled.circuit, "", "", &|_| None) {
-            Ok(schematic) => Event::Schematic { drawing: Some(schematic.to_json()), message: None },
+            Ok(schematic) => Event::Schematic { drawing: Some(schematic.to_live_json()), message: None },
             Err(error) => Event::Schematic { drawing: None, message: Some(error.to_string()) },
         }
     }
