@@ -209,9 +209,12 @@ export function mountScope(root, index) {
   function describe(now) {
     textAt = now;
     const { controls, outputs, lit, span } = model;
-    const parts = outputs.flatMap((output, channel) => (output ? [`${nameOf(output)}: ${
-      reading(state.frame?.volts[places[channel]] ?? NaN, output)}, ${
-      reading(controls.channels[channel].volts_per_division, output, '/div')}${lit[channel] ? ', overloaded' : ''}`] : []));
+    const parts = outputs.flatMap((output, channel) => {
+      if (!output) return [];
+      const value = reading(state.frame?.volts[places[channel]] ?? NaN, output);
+      const scale = reading(controls.channels[channel].volts_per_division, output, '/div');
+      return [`${nameOf(output)}: ${value}, ${scale}${lit[channel] ? ', overloaded' : ''}`];
+    });
     const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${si(span / ACROSS, 's')}/div`;
     canvases[2].setAttribute('aria-label', `Scope ${index + 1}, ${kind}. ${parts.join('. ') || 'No probe'}`);
   }
