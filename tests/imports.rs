@@ -27,6 +27,7 @@ const MODULES: [(&str, &[&str]); 9] = [
             "divided_differences",
             "low_discrepancy",
             "parabola",
+            "chords",
             "delay_line",
             "document",
             "ir",

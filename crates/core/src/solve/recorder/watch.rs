@@ -2,11 +2,16 @@
 //!
 //! An oscilloscope needs more than samples: the extremes between samples, both sides of a jump, and a curve without
 //! corners. Watching never changes the steps. Points within a step come from the interpolation of the solver.
+//!
+//! A live run collects the points. Another run passes them to its curves, which need fewer of them.
 
+use super::curve_follower::CurveFollower;
+use crate::grid::SAME_INSTANT;
 use crate::ir::Register;
 use crate::kernel::Steps;
 use crate::solve::fast_path::KernelRun;
 use crate::solve::state::Solver;
+use crate::trace::SignalCurve;
 
 /// Largest number of points within a step.
 const MAX_POINTS_WITHIN: f64 = 64.0;
@@ -59,8 +64,10 @@ pub(in crate::solve) struct Watch {
     longest: f64,
     /// Largest change of a voltage between two points of a step, in volts; infinity if only the time counts.
     largest: f64,
-    /// The points since the caller took them last.
+    /// The points since the caller took them last. It stays empty if curves take the points.
     pub points: WatchedPoints,
+    /// The curves that take the points; `None` if they are collected.
+    follower: Option<CurveFollower>,
     /// The time of the last point by the recorder's clock; negative infinity if there is none.
     last_time: f64,
     /// The voltages of the last point.
@@ -82,8 +89,47 @@ impl Watch {
             longest,
             largest,
             points,
+            follower: None,
             last_time: f64::NEG_INFINITY,
         }
+    }
+
+    /// Watches registers for curves, which decide where they need points.
+    pub(super) fn following(registers: Vec<Register>, follower: CurveFollower) -> Self {
+        Watch { follower: Some(follower), ..Watch::new(registers, f64::INFINITY, f64::INFINITY) }
+    }
+
+    /// The curves; none if the points were collected.
+    pub(super) fn into_curves(self) -> Vec<SignalCurve> {
+        self.follower.map_or(Vec::new(), CurveFollower::into_curves)
+    }
+
+    /// Begins a repetition: the next point begins the curves.
+    pub(super) fn begin_repetition(&mut self) {
+        if let Some(follower) = &mut self.follower {
+            follower.begin_repetition();
+            self.last_time = f64::NEG_INFINITY;
+        }
+    }
+
+    /// Adds the present voltages of the solver, at which a phase begins or ends.
+    pub(super) fn add_phase_limit(&mut self, solver: &Solver<'_>, hold_time: f64) {
+        self.add_present(solver, hold_time);
+        self.follower.iter_mut().for_each(CurveFollower::restart);
+    }
+
+    /// Whether curves need the voltages that a kernel has at an event.
+    pub(super) fn needs_events(&self) -> bool {
+        self.follower.is_some()
+    }
+
+    /// Adds the voltages of a kernel at an event, at a time of the recorder's clock, unless the last point has this
+    /// time. The watched voltages follow the `recorded` ones.
+    pub(super) fn add_event(&mut self, time: f64, run: &KernelRun, recorded: usize) {
+        if self.last_time != time {
+            self.push(time, run.voltages().skip(recorded));
+        }
+        self.follower.iter_mut().for_each(CurveFollower::restart);
     }
 
     /// The watched registers.
@@ -91,22 +137,51 @@ impl Watch {
         self.registers.iter().copied()
     }
 
-    /// Whether steps of this length need points within them.
+    /// Whether the next step, of this length, needs points within it.
     pub(super) fn looks_within(&self, step: f64) -> bool {
-        step > self.longest
+        self.follower.as_ref().map_or(step > self.longest, CurveFollower::is_within_step)
     }
 
     /// The time by the recorder's clock of the next point, if steps have this length. If there are points within steps,
     /// it is within the next step, which a kernel then takes alone.
     pub(super) fn next_time(&self, step: f64) -> f64 {
-        self.last_time + if self.looks_within(step) { 0.5 * step } else { step }
+        match &self.follower {
+            _ if self.looks_within(step) => self.last_time + 0.5 * step,
+            Some(follower) => self.last_time + follower.seconds(),
+            None => self.last_time + step,
+        }
+    }
+
+    /// The number of steps, from the first of these, up to the next point of curves. A kernel stores the voltages of all
+    /// other points.
+    pub(super) fn steps_to_point(&self, steps: Steps, hold_time: f64) -> u64 {
+        match &self.follower {
+            Some(follower) => steps.until(self.last_time + follower.seconds() - hold_time),
+            None => steps.count,
+        }
+    }
+
+    /// Whether a point is due at the end of a kernel's step, at a time of the recorder's clock.
+    fn is_due(&self, time: f64) -> bool {
+        self.follower.as_ref().is_none_or(|follower| {
+            follower.is_within_step()
+                || time * (1.0 + SAME_INSTANT) >= self.last_time + follower.seconds()
+        })
     }
 
     /// Adds a point at a time of the recorder's clock.
     fn push(&mut self, time: f64, volts: impl Iterator<Item = f64>) {
         self.last.iter_mut().zip(volts).for_each(|(last, volts)| *last = volts);
+        self.pass_on(time);
+    }
+
+    /// Adds the last voltages, at a time of the recorder's clock, to the curves or to the points.
+    fn pass_on(&mut self, time: f64) {
         self.last_time = time;
-        self.points.push(time, &self.last);
+        match &mut self.follower {
+            Some(follower) => follower.add(time, &self.last),
+            None => self.points.push(time, &self.last),
+        }
     }
 
     /// Adds the present voltages of the solver, unless the last point is equal.
@@ -123,18 +198,20 @@ impl Watch {
     /// Adds the voltages in `end` as a point at a time of the recorder's clock.
     fn push_end(&mut self, time: f64) {
         std::mem::swap(&mut self.last, &mut self.end);
-        self.last_time = time;
-        self.points.push(time, &self.last);
+        self.pass_on(time);
     }
 
     /// Number of equal parts into which a step of this length is divided, whose ends have these voltages.
     fn parts(&self, length: f64, ends: impl Iterator<Item = (f64, f64)>) -> u32 {
-        if !self.looks_within(length) {
-            return 1;
-        }
-        let change = ends.map(|(begin, end)| (end - begin).abs()).fold(0.0, f64::max);
-        let parts = f64::max(length / self.longest, change / self.largest).ceil();
-        parts.clamp(1.0, MAX_POINTS_WITHIN) as u32
+        let parts = match &self.follower {
+            Some(follower) => length / follower.seconds() * (1.0 - SAME_INSTANT),
+            None if !self.looks_within(length) => 1.0,
+            None => {
+                let change = ends.map(|(begin, end)| (end - begin).abs()).fold(0.0, f64::max);
+                f64::max(length / self.longest, change / self.largest)
+            }
+        };
+        parts.ceil().clamp(1.0, MAX_POINTS_WITHIN) as u32
     }
 
     /// Adds the points of the step that the solver accepted last: those within it, and its end before modes change.
@@ -153,8 +230,8 @@ impl Watch {
         self.add_present(solver, hold_time);
     }
 
-    /// Adds the points of a kernel's last step, which ends at this problem time: those within it, and its end. The
-    /// watched voltages follow the `recorded` ones.
+    /// Adds the points that are due in a kernel's last step, which ends at this problem time: those within it, and its
+    /// end. The watched voltages follow the `recorded` ones.
     pub(super) fn add_kernel_step(
         &mut self,
         (time, hold_time): (f64, f64),
@@ -162,10 +239,15 @@ impl Watch {
         run: &mut KernelRun,
         recorded: usize,
     ) {
+        if !self.is_due(time + hold_time) {
+            return;
+        }
         run.evaluate_present(tables);
         let begin = self.last_time - hold_time;
         let ends = self.last.iter().copied().zip(run.voltages().skip(recorded));
-        let parts = self.parts(time - begin, ends);
+        let is_alone = self.follower.as_ref().is_none_or(CurveFollower::is_within_step);
+        // If the last point is not at the beginning of the step, the kernel cannot interpolate from there.
+        let parts = if is_alone { self.parts(time - begin, ends) } else { 1 };
         if parts > 1 {
             for part in 1..parts {
                 let time = between(begin, time, part, parts);
@@ -177,7 +259,7 @@ impl Watch {
         self.push(time + hold_time, run.voltages().skip(recorded));
     }
 
-    /// Adds the ends of a kernel's steps, whose voltages it has stored.
+    /// Adds the ends of a kernel's steps at which points are due. The kernel has stored the voltages.
     pub(super) fn add_kernel_steps(
         &mut self,
         steps: Steps,
@@ -186,7 +268,10 @@ impl Watch {
         recorded: usize,
     ) {
         for step in 0..steps.count {
-            self.push(steps.end_of(step) + hold_time, run.voltages_after(step).skip(recorded));
+            let time = steps.end_of(step) + hold_time;
+            if self.is_due(time) {
+                self.push(time, run.voltages_after(step).skip(recorded));
+            }
         }
     }
 }
