@@ -164,8 +164,7 @@ impl Watch {
     /// Whether a point is due at the end of a kernel's step, at a time of the recorder's clock.
     fn is_due(&self, time: f64) -> bool {
         self.follower.as_ref().is_none_or(|follower| {
-            follower.is_within_step()
-                || time * (1.0 + SAME_INSTANT) >= self.last_time + follower.seconds()
+            follower.is_within_step() || time * (1.0 + SAME_INSTANT) >= self.last_time + follower.seconds()
         })
     }
 
