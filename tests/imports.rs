@@ -71,6 +71,7 @@ const MODULES: [(&str, &[&str]); 9] = [
             "html",
             "plot",
             "envelope",
+            "picture_data",
             "picture_samples",
             "family",
             "faults",
