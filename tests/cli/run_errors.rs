@@ -113,9 +113,13 @@ fn only_a_run_with_derivatives_against_a_signal_is_refused_for_the_memory_of_its
     let run = "{\"for\": 3.25, \"step\": 1e-3}";
     // 3.25e8 samples, and 9.75e10 numbers.
     let with_interval = |every: &str| {
-        let more = r#""parameters": {"w": {"value": 1, "unit": "1", "range": [0, 2]}},
+        let more = r#""parameters": {"w": {"value": 0.394784176, "unit": "1", "range": [0.1, 0.9]}},
   "pictures": [{"x": "x", "y": ["d x / d w"]}]"#;
-        spring_with(run, &format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}},\n  {more}"))
+        let run_and_more = format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}},\n  {more}");
+        let (folder, file) = spring_with(run, &run_and_more);
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(&file, text.replace("\"setting\": 0.394784176", "\"setting\": \"w\"")).unwrap();
+        (folder, file)
     };
     let (folder, file) = with_interval("1e-8");
     assert!(json(&patchcord(&["check", &file, "--json"]))["cannot_be_run"].is_null());

@@ -137,8 +137,8 @@ fn invalid_pictures_are_rejected() {
 /// A curve with these times and volts. A curve begins at each time 0.
 fn curve(x: &str, y: &str, points: &[(f64, [f64; 2])]) -> SignalCurve {
     let axis = |name: &str| CurveAxis { name: name.into(), unit: "m/s".into(), per_volt: 1e-3 };
-    let point = |(time, volts): &(f64, [f64; 2])| CurvePoint { time: *time, volts: *volts, begins: *time == 0.0 };
-    SignalCurve { axes: [axis(x), axis(y)], points: points.iter().map(point).collect() }
+    let point = |(time, volts)| CurvePoint { time, volts, begins: time == 0.0 };
+    SignalCurve { axes: [axis(x), axis(y)], points: points.iter().copied().map(point).collect() }
 }
 
 #[test]
@@ -152,14 +152,15 @@ fn a_picture_against_a_signal_shows_the_curves_that_the_run_followed() {
     };
     let one = picture(&with_curves, &spec("v", &["w"]), None, &[fault("w", 0, 0.5)]).unwrap();
     let points = [(0.0, 9.0), (4.0, 3.0), (1.0, 2.0), (5.0, 6.0)];
-    let near = |found: &(f64, f64), wanted: &(f64, f64)| (found.0 - wanted.0).hypot(found.1 - wanted.1) < 1e-12;
-    assert!(one.channels[0].points.iter().zip(&points).all(|(found, wanted)| near(found, wanted)));
+    let is_near =
+        |found: (f64, f64), wanted: (f64, f64)| (found.0 - wanted.0).hypot(found.1 - wanted.1) < 1e-12;
+    assert!(one.channels[0].points.iter().zip(points).all(|(found, wanted)| is_near(*found, wanted)));
     assert_eq!((&one.channels[0].breaks[..], wrong_points(&one.channels[0])), (&[0, 3][..], vec![(1, 3)]));
     assert!(one.vertical.high >= 9.0 && one.equal_scales);
     let two = picture(&with_curves, &spec("v", &["w", "F"]), None, &[]).unwrap();
-    let begins: Vec<_> = two.channels.iter().map(|channel| (channel.points.len(), &channel.breaks[..])).collect();
-    assert_eq!(begins, [(4, &[0, 3][..]), (3, &[0, 1][..])]);
-    assert!(near(&two.channels[1].points[2], &(8.0, 3.0)));
+    let shown = two.channels.iter().map(|channel| (channel.points.len(), channel.breaks.clone()));
+    assert_eq!(shown.collect::<Vec<_>>(), [(4, vec![0, 3]), (3, vec![0, 1])]);
+    assert!(is_near(two.channels[1].points[2], (8.0, 3.0)));
     // The curve of p was not followed.
     let samples = picture(&with_curves, &spec("v", &["w", "p"]), None, &[]).unwrap();
     assert_eq!(samples.channels[0].points.len(), 6);
