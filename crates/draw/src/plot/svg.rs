@@ -107,8 +107,14 @@ impl Surface for SvgSurface<'_> {
         self.backend.draw_rect(from, to, &colour, true).map_err(drawing_error)
     }
 
-    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError> {
-        let width = (width * self.scale).round() as u32;
+    fn translucent_line(
+        &mut self,
+        points: &[(f64, f64)],
+        width: f64,
+        colour: RGBColor,
+        opacity: f64,
+    ) -> Result<(), PlotError> {
+        let (width, colour) = ((width * self.scale).round() as u32, colour.mix(opacity));
         let points = whole_points(points, self.scale);
         if let [dot] = points[..] {
             self.backend.draw_circle(dot, width, &colour, true)
