@@ -3,7 +3,7 @@
 use crate::common::{built, circuit, element, program_of, shipped};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::PatchBuilder;
-use patchcord_core::solve::{self, Backend, Phase, RunSettings, check, run, run_batch};
+use patchcord_core::solve::{Backend, Phase, RunSettings, check, run, run_batch};
 use patchcord_core::trace::{SignalCurve, Trace};
 
 /// x'' = -x from 80 V: a circle of `A2` against `A1`.
@@ -58,7 +58,7 @@ fn a_circle_in_long_steps_is_round() {
         let distance = distance_from_circle(curve);
         assert!(distance < 0.1, "{distance}: {settings:?}");
         assert_eq!((curve.points[0].time, curve.points[0].volts), (0.0, [80.0, 0.0]));
-        assert_eq!(curve.points.last().map(|point| point.time), trace.time.last().copied());
+        assert!(curve.points.last().is_some_and(|point| (point.time - 6.6).abs() < 1e-9));
         assert!(curve.points.len() < 400, "{}", curve.points.len());
     }
 }
@@ -101,7 +101,8 @@ fn curves_do_not_change_samples_and_do_not_depend_on_how_a_run_is_made() {
             assert!(trace(&program, &other).curves == followed.curves, "{name}: {other:?}");
         }
         for batched in run_batch(&[program.clone(), program.clone()], &settings) {
-            assert!(batched.unwrap_or_else(|stopped| panic!("{stopped}")).curves == followed.curves, "{name}");
+            let batched = batched.unwrap_or_else(|stopped| panic!("{stopped}"));
+            assert!(batched.curves == followed.curves, "{name}");
         }
     }
 }
@@ -149,7 +150,8 @@ fn a_jump_has_both_of_its_sides() {
 
 #[test]
 fn every_repetition_begins_a_curve() {
-    let phases = [Phase::InitialCondition, Phase::operate(1.0), Phase::Hold { time: 0.5 }, Phase::operate(1.0)];
+    let (operate, hold) = (Phase::operate(1.0), Phase::Hold { time: 0.5 });
+    let phases = [Phase::InitialCondition, operate.clone(), hold, operate];
     let settings = RunSettings::from_phases(phases, 0.01).repeated(3).with_signals(["A1"]);
     let trace = trace(&oscillator(), &settings.with_curves([("A1", "A2"), ("A2", "A1")]));
     for curve in &trace.curves {
@@ -168,5 +170,5 @@ fn every_repetition_begins_a_curve() {
 fn an_unknown_signal_of_a_curve_is_an_error() {
     let settings = circle(1.0, 0.1).with_curves([("A1", "A3")]);
     assert_eq!(check(&oscillator(), &settings).unwrap_err().code(), "unknown-signal");
-    assert!(solve::run(&oscillator(), &settings).is_err());
+    assert!(run(&oscillator(), &settings).is_err());
 }

@@ -2,11 +2,14 @@
 //!
 //! A straight curve needs points only every [`MAX_SPACING`] steps, a bent one at every step, or within steps. The time
 //! to the next point follows from the bend at the last ones. After each event it is short again, because a rate may
-//! have jumped.
+//! have jumped. Corners of tables of time are no events if they are at the end of a step, but they are points.
+
+use std::sync::Arc;
 
 use super::{Watch, find_signal, per_volt};
 use crate::chords::{Chord, CurvePoint, thin};
-use crate::ir::{Program, SignalInfo};
+use crate::ir::{Program, SignalInfo, TableCorners};
+use crate::solve::discontinuities::next_corner;
 use crate::solve::error::RunError;
 use crate::solve::settings::RunSettings;
 use crate::solve::state::Solver;
@@ -29,7 +32,7 @@ const FIRST_SPACING: f64 = 0.25;
 /// Least time between points, in steps.
 const MIN_SPACING: f64 = 1.0 / 64.0;
 /// Largest time between points of equal steps, in steps.
-const MAX_SPACING: f64 = 32.0;
+const MAX_SPACING: f64 = 16.0;
 /// Largest factor by which the time between points grows from one point to the next.
 const MAX_GROWTH: f64 = 2.0;
 
@@ -70,7 +73,8 @@ pub(super) fn follow(
         return Ok((signals, None));
     }
     let registers = signals.iter().map(|followed| followed.signal.register).collect();
-    Ok((signals, Some(Watch::following(registers, CurveFollower::new(curves, settings)))))
+    let follower = CurveFollower::new(curves, Arc::clone(&program.corners), settings);
+    Ok((signals, Some(Watch::following(registers, follower))))
 }
 
 /// The axis of a curve along which a signal is.
@@ -92,6 +96,8 @@ pub(super) struct CurveFollower {
     spacing: f64,
     /// The largest time between points, in steps.
     max_spacing: f64,
+    /// The problem times at which tables of time have corners.
+    corners: Arc<TableCorners>,
     /// The point before the last one, and the last one.
     recent: [RecentPoint; 2],
 }
@@ -106,14 +112,15 @@ struct RecentPoint {
 }
 
 impl CurveFollower {
-    /// Curves without points, of a run with these settings.
-    fn new(curves: Vec<FollowedCurve>, settings: &RunSettings) -> Self {
+    /// Curves without points, of a run with these corners of tables and these settings.
+    fn new(curves: Vec<FollowedCurve>, corners: Arc<TableCorners>, settings: &RunSettings) -> Self {
         let none = || RecentPoint { time: f64::NAN, volts: Vec::new() };
         CurveFollower {
             curves,
             ranges: Vec::new(),
             step: settings.step,
             spacing: FIRST_SPACING,
+            corners,
             max_spacing: if settings.tolerance.is_some() { f64::INFINITY } else { MAX_SPACING },
             recent: [none(), none()],
         }
@@ -127,6 +134,12 @@ impl CurveFollower {
     /// Time from the last point to the next one, in problem seconds.
     pub(super) fn seconds(&self) -> f64 {
         self.spacing * self.step
+    }
+
+    /// The problem time of the next point, if that of the last one is `last`: a corner, if there is one before.
+    pub(super) fn next_point(&self, last: f64) -> f64 {
+        let next = last + self.seconds();
+        next_corner(self.corners.times(), last, self.step).map_or(next, |corner| next.min(corner))
     }
 
     /// Begins a repetition: the next point begins a curve.

@@ -2,7 +2,7 @@
 //!
 //! On the fast path it reads the voltages of the kernel, otherwise those of the solver.
 
-use super::{Instant, Recorder, track_values};
+use super::{Instant, Recorder, Watch, track_values};
 use crate::grid::SAME_INSTANT;
 use crate::kernel::Steps;
 use crate::solve::fast_path::KernelRun;
@@ -60,8 +60,9 @@ impl StepObserver for Recorder<'_> {
     }
 
     fn next_sample(&self) -> f64 {
-        let watched = self.watch.as_ref().map_or(f64::INFINITY, |watch| watch.next_time(self.step));
-        self.next_time.min(watched) - self.hold_time
+        let next_point = |watch: &Watch| watch.next_point(self.step, self.hold_time);
+        let watched = self.watch.as_ref().map_or(f64::INFINITY, next_point);
+        watched.min(self.next_time - self.hold_time)
     }
 
     /// Writes the samples within the kernel's last step, and adds its watched points.

@@ -142,13 +142,14 @@ impl Watch {
         self.follower.as_ref().map_or(step > self.longest, CurveFollower::is_within_step)
     }
 
-    /// The time by the recorder's clock of the next point, if steps have this length. If there are points within steps,
-    /// it is within the next step, which a kernel then takes alone.
-    pub(super) fn next_time(&self, step: f64) -> f64 {
+    /// The problem time of the next point, if steps have this length. If there are points within steps, it is within the
+    /// next step, which a kernel then takes alone.
+    pub(super) fn next_point(&self, step: f64, hold_time: f64) -> f64 {
+        let last = self.last_time - hold_time;
         match &self.follower {
-            _ if self.looks_within(step) => self.last_time + 0.5 * step,
-            Some(follower) => self.last_time + follower.seconds(),
-            None => self.last_time + step,
+            _ if self.looks_within(step) => last + 0.5 * step,
+            Some(follower) => follower.next_point(last),
+            None => last + step,
         }
     }
 
@@ -156,15 +157,16 @@ impl Watch {
     /// other points.
     pub(super) fn steps_to_point(&self, steps: Steps, hold_time: f64) -> u64 {
         match &self.follower {
-            Some(follower) => steps.until(self.last_time + follower.seconds() - hold_time),
+            Some(follower) => steps.until(follower.next_point(self.last_time - hold_time)),
             None => steps.count,
         }
     }
 
-    /// Whether a point is due at the end of a kernel's step, at a time of the recorder's clock.
-    fn is_due(&self, time: f64) -> bool {
+    /// Whether a point is due at the end of a kernel's step, at a problem time.
+    fn is_due(&self, time: f64, hold_time: f64) -> bool {
         self.follower.as_ref().is_none_or(|follower| {
-            follower.is_within_step() || time * (1.0 + SAME_INSTANT) >= self.last_time + follower.seconds()
+            let next = || follower.next_point(self.last_time - hold_time);
+            follower.is_within_step() || time * (1.0 + SAME_INSTANT) >= next()
         })
     }
 
@@ -238,7 +240,7 @@ impl Watch {
         run: &mut KernelRun,
         recorded: usize,
     ) {
-        if !self.is_due(time + hold_time) {
+        if !self.is_due(time, hold_time) {
             return;
         }
         run.evaluate_present(tables);
@@ -267,9 +269,9 @@ impl Watch {
         recorded: usize,
     ) {
         for step in 0..steps.count {
-            let time = steps.end_of(step) + hold_time;
-            if self.is_due(time) {
-                self.push(time, run.voltages_after(step).skip(recorded));
+            let time = steps.end_of(step);
+            if self.is_due(time, hold_time) {
+                self.push(time + hold_time, run.voltages_after(step).skip(recorded));
             }
         }
     }

@@ -6,7 +6,8 @@ use super::*;
 fn follower() -> CurveFollower {
     let axes = ["x", "y"].map(|name| CurveAxis { name: name.into(), unit: "V".into(), per_volt: 1.0 });
     let settings = RunSettings::from_phases([], 1e-3);
-    CurveFollower::new(vec![FollowedCurve::new([0, 1], axes)], &settings)
+    let corners = Arc::new(TableCorners::from_tables([].into_iter()));
+    CurveFollower::new(vec![FollowedCurve::new([0, 1], axes)], corners, &settings)
 }
 
 /// The points of the only curve.
@@ -60,7 +61,7 @@ fn points_are_as_far_apart_as_the_bend_permits() {
         time += follower.seconds();
     }
     assert_eq!(follower.seconds(), MAX_SPACING * 1e-3);
-    // A turn of 1 s with a radius of 50 V: with 0.02 V, a chord is at most sqrt(8 * 0.02 / 50) = 0.057 long.
+    // With a radius of 50 V, the chord of sqrt(8 * 0.02 / 50) = 0.057 is 0.02 V from the circle along an axis.
     let begin = time;
     while time < begin + 5.0 {
         let angle = TAU * (time - begin);
@@ -68,7 +69,7 @@ fn points_are_as_far_apart_as_the_bend_permits() {
         time += follower.seconds();
     }
     let angle = TAU * follower.seconds();
-    assert!(angle <= 0.06 && angle > 0.04, "{angle}");
+    assert!(angle <= 0.07 && angle > 0.04, "{angle}");
 }
 
 #[test]
@@ -88,6 +89,21 @@ fn a_fast_motion_has_points_within_steps_and_a_restart_as_well() {
     assert!(!follower.is_within_step());
     follower.restart();
     assert!(follower.is_within_step());
+}
+
+#[test]
+fn corners_of_tables_are_points() {
+    let table = [[0.0, 0.0], [0.02, 1.0], [0.5, 0.0]];
+    let corners = Arc::new(TableCorners::from_tables([&table[..]].into_iter()));
+    let mut follower = CurveFollower { corners, ..follower() };
+    let mut time = 0.0;
+    let mut times = Vec::new();
+    while time < 1.0 {
+        follower.add(time, &[time, time]);
+        time = follower.next_point(time);
+        times.push(time);
+    }
+    assert!(times.contains(&0.02) && times.contains(&0.5), "{times:?}");
 }
 
 #[test]
