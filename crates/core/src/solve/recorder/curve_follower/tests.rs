@@ -6,7 +6,7 @@ use super::*;
 fn follower() -> CurveFollower {
     let axes = ["x", "y"].map(|name| CurveAxis { name: name.into(), unit: "V".into(), per_volt: 1.0 });
     let settings = RunSettings::from_phases([], 1e-3);
-    let corners = Arc::new(TableCorners::from_tables([].into_iter()));
+    let corners = Arc::new(TableCorners::default());
     CurveFollower::new(vec![FollowedCurve::new([0, 1], axes)], corners, &settings)
 }
 
