@@ -272,6 +272,14 @@ pub enum Command {
         /// Whether the equations are shown.
         equations: bool,
     },
+    /// Searches for corrections of equations that the wiring does not solve. The answer is the event `findings`. It can
+    /// take seconds.
+    Advise,
+    /// Compares every output and derivative with the equations. The answer is the event `static-check`.
+    StaticCheck {
+        /// The seed of random test values; the initial condition if absent.
+        seed: Option<u64>,
+    },
     /// Runs the patch from its beginning as `patchcord run` does. The answer is the event `table`.
     Run,
 }

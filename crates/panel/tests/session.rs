@@ -240,3 +240,28 @@ fn wrong_requests_are_refused_and_change_nothing() {
     }
     assert_eq!(client.patch(), before);
 }
+
+#[test]
+fn an_equation_that_is_not_solved_is_a_finding_and_advice_corrects_it() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    // The first mistake of every beginner: the sign of the spring.
+    let events = client.send(
+        json!({"command": "move-cord", "element": "P1", "jack": "in", "from": "B1", "to": {"output": "A2"}}),
+    );
+    let findings = &event(&events, "findings")["findings"];
+    let fault = findings.as_array().unwrap().iter().find(|one| one["code"] == "equation-not-solved").unwrap();
+    assert!(fault["message"].as_str().unwrap().contains("the sign of"), "{fault}");
+    let events = client.send(json!({"command": "advise"}));
+    let findings = event(&events, "findings")["findings"].to_string();
+    assert!(findings.contains("plug B1 into P1 in place of A2"), "{findings}");
+    client.mode("problem-check");
+    let events = client.send(json!({"command": "static-check"}));
+    let table = event(&events, "static-check");
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(table["compared"], true);
+    // m x'' = -k x at 80 mm: -3200 mm/s^2, and a volt is 10 mm/s.
+    let rate = rows.iter().find(|row| row["element"] == "A1" && row["order"] == 1).unwrap();
+    let [expected, wired] = ["expected", "wired"].map(|key| rate[key].as_f64().unwrap());
+    assert!((expected + 320.0).abs() < 1e-9 && (wired - 320.0).abs() < 1e-9, "{rate}");
+    assert_eq!(rate["differs"], true);
+}

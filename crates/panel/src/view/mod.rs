@@ -5,6 +5,7 @@ mod jacks;
 mod probes;
 mod quantities;
 mod settings;
+mod static_check;
 
 use patchcord_core::circuit::{Circuit, part_count};
 use patchcord_core::elements::{Family, Kind, OutputStage, REGISTRY};
@@ -21,6 +22,7 @@ use crate::event::{
 use crate::wiring;
 pub use equations::equations;
 pub use probes::usual_scopes;
+pub use static_check::static_check_event;
 use settings::SettingViewer;
 
 /// The first event of a session.
