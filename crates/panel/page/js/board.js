@@ -116,13 +116,18 @@ export function mountBoard(root) {
     activate(seen);
     showTip(seen, !one);
   }
+  /** The panel has two stops of the Tab key: one of the jacks and modules, and one of the cords. */
+  function settle(one) {
+    const layer = one.type === 'cord' ? cordLayer : face;
+    layer.querySelector('[tabindex="0"]')?.setAttribute('tabindex', -1);
+    one.node.tabIndex = 0;
+    current = one;
+  }
   function focus(key) {
     const one = stop(key);
     if (!one) return;
-    if (current) current.node.tabIndex = -1;
-    current = one;
+    settle(one);
     label(one);
-    one.node.tabIndex = 0;
     one.node.focus({ preventScroll: true });
     reveal(one);
     activate(one);
@@ -187,6 +192,7 @@ export function mountBoard(root) {
       layout = arrange(plate, patch, state.hello?.kinds ?? []);
       drawn = draw(layout);
       face.replaceChildren(drawn.node);
+      stage.style.aspectRatio = `${layout.width + 12} / ${layout.height + 12}`;
       if (isOther) fit();
     }
     index = new Map(patch.outputs.map((output, position) => [output.name, position]));
@@ -206,11 +212,12 @@ export function mountBoard(root) {
     drawn.show(patch);
     mark();
     tipped = null;
-    current = stop(current?.key) ?? (had?.cord && stop(`in:${had.cord.element}.${had.cord.jack}`)) ?? drawn.stops.values().next().value;
-    current.node.tabIndex = 0;
+    const seen = stop(current?.key) ?? (had?.cord && stop(`in:${had.cord.element}.${had.cord.jack}`)) ?? drawn.stops.values().next().value;
+    if (cords.nodes.length) settle(stop(cords.nodes[0].dataset.key));
+    settle(seen);
     if (had) focus(current.key);
     else showTip(null);
-    board.patched?.();
+    board.patched?.(name);
   }
 
   on('patch', render);

@@ -134,10 +134,11 @@ function caption(element) {
     choice?.words[choice.value], element.kind === 'key-switch' && (flag?.value ? 'closed' : 'open')].filter(Boolean).join(' ');
 }
 
-/** A text that is compressed if it is too long. */
-function text(content, x, y, room, attributes) {
-  const isLong = content.length * 7.4 > room;
-  return svg('text', { x, y, ...isLong && { textLength: room, lengthAdjust: 'spacingAndGlyphs' }, ...attributes }, content);
+/** Compresses a text that is too long. */
+function squeeze(line, room, size = 6.1) {
+  if (line.textContent.length * size > room) for (const [name, value] of [['textLength', room], ['lengthAdjust', 'spacingAndGlyphs']]) line.setAttribute(name, value);
+  else line.removeAttribute('textLength');
+  return line;
 }
 
 /** Something that can have the focus. */
@@ -146,7 +147,7 @@ const stop = (attributes, ...children) => svg('g', { role: 'button', tabindex: -
 function drawJack({ x, y, jack, name }, key, label) {
   return stop({ class: `jack ${jack ? 'in' : 'out'}`, 'data-key': key, transform: `translate(${x} ${y})` },
     svg('circle', { class: 'collar', r: 10.5 }), svg('circle', { class: 'metal', r: 7.5, fill: 'url(#board-metal)' }), svg('circle', { class: 'hole', r: 4 }),
-    label && text(label, 0, -15, 34, { class: 'jack-label' }), name && svg('text', { class: 'volts', y: 25 }));
+    label && squeeze(svg('text', { y: -15, class: 'jack-label' }, label), 27), name && svg('text', { class: 'volts', y: 25 }));
 }
 
 /**
@@ -169,7 +170,7 @@ export function draw({ plate, sections, width, height }) {
     const kind = element && section.add !== element.kind ? element.kind.replaceAll('-', ' ') : helps && `of ${helps}`;
     const plateNode = (element || !isUsed && key ? stop : svg.bind(null, 'g'))(
       { class: 'plate', ...key && !output && { 'data-key': key, 'aria-label': about } },
-      svg('rect', { width: w, height: h, rx: 4 }), text(title, 9, 18, w - (element?.lamp ? 32 : 14), { class: 'name' }));
+      svg('rect', { width: w, height: h, rx: 4 }), squeeze(svg('text', { x: 9, y: 18, class: 'name' }, title), w - (element?.lamp ? 32 : 14), 8));
     const node = svg('g', { class: `module${isUsed ? '' : helps ? ' is-helper' : ' is-free'}`, transform: `translate(${x} ${y})` }, plateNode);
     if (key && !output) add(key, plateNode, { type: isUsed ? 'module' : 'free', element, section, x: x + 24, y: y + 14, box: [x, y, w, h] });
     const line = svg('text', { class: 'caption', x: knob ? knob[0] : 9, y: knob ? knob[1] + 28 : 33 });
@@ -180,7 +181,7 @@ export function draw({ plate, sections, width, height }) {
       line.classList.add('is-middle');
       if (element) captions.push({ element: element.name, line, pointer });
     } else if (element) {
-      captions.push({ element: element.name, line, kind });
+      captions.push({ element: element.name, line, kind, room: w - 14 });
     } else if (kind) line.textContent = kind;
     node.append(line);
     if (element?.lamp) {
@@ -219,11 +220,12 @@ export function draw({ plate, sections, width, height }) {
       svg('text', { class: 'section-title', x: section.x + 25, y: section.y + 17 }, section.title),
       section.modules.map((module, index) => drawModule(module, section, index)))));
   const show = (patch) => {
-    for (const { element: name, line, pointer, kind } of captions) {
+    for (const { element: name, line, pointer, kind, room } of captions) {
       const element = patch.elements.find((one) => one.name === name);
       const value = setting(element, 'setting')?.value;
       const content = pointer ? caption(element) : [kind, caption(element)].filter(Boolean).join(' · ');
       if (line.textContent !== content) line.textContent = content;
+      squeeze(line, room);
       pointer?.setAttribute('transform', `rotate(${-150 + 300 * (value ?? 0)})`);
     }
   };

@@ -150,6 +150,8 @@ export function mountPatching(board) {
       board.hover(hit?.jack ?? hit ?? board.stop(target.closest('[data-key]')?.dataset.key) ?? null);
     }
   });
+  // The focus follows the choice of a place, not the press.
+  canvas.addEventListener('mousedown', (event) => event.preventDefault());
   const end = (event) => {
     pointers.delete(event.pointerId);
     pinch = 0;
@@ -160,6 +162,7 @@ export function mountPatching(board) {
       if (isDragging) release();
     } else if (isDragging) {
       const goal = nearest(event, isJack);
+      board.focus((goal ?? hand.fixed).key);
       if (goal) plugInto(goal);
       else drop(board.units(event));
     } else if (!isMoved && hit) {
