@@ -3,7 +3,7 @@
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
 import { quantity, svg } from './dom.js';
-import { arrange, draw, faceplate } from './faceplate.js';
+import { draw, faceplate } from './faceplate.js';
 import { toast } from './messages.js';
 import { mountPatching } from './patching.js';
 import { on, send, state } from './state.js';
@@ -22,10 +22,8 @@ export function mountBoard(root) {
   const [, face, cordLayer, over] = canvas.children;
   const [tipText, tipButton] = tip.children;
   let plate = {};
-  let layout = { width: 1000, height: 600 };
-  let drawn = { stops: new Map(), outs: [], lamps: [] };
+  let drawn = { stops: new Map(), outs: [], lamps: [], width: 1000, height: 600 };
   let cords = { stops: new Map(), plugs: [], colours: new Map() };
-  let [faceShape, cordShape] = ['', ''];
   let notes = new Map();
   let index = new Map();
   let [x, y, scale, width, height] = [0, 0, 0, 0, 0];
@@ -47,13 +45,13 @@ export function mountBoard(root) {
   // The part of the panel that is in sight.
   function show() {
     const within = (at, size, whole) => (size > whole + 40 ? (whole - size) / 2 : Math.min(Math.max(at, -20), whole + 20 - size));
-    [x, y] = [within(x, width / scale, layout.width), within(y, height / scale, layout.height)];
+    [x, y] = [within(x, width / scale, drawn.width), within(y, height / scale, drawn.height)];
     for (const picture of [canvas, live]) picture.setAttribute('viewBox', `${x} ${y} ${width / scale} ${height / scale}`);
     showTip(tipped);
   }
   /** Changes the scale about a point in pixels; without a factor, the whole panel is shown. */
   function zoom(factor, px = width / 2, py = height / 2, least = 0) {
-    const whole = Math.min(width / (layout.width + 40), height / (layout.height + 40));
+    const whole = Math.min(width / (drawn.width + 40), height / (drawn.height + 40));
     const next = factor ? Math.min(Math.max(scale * factor, whole * 0.9), 4) : Math.max(whole, least);
     [x, y, scale, isFitted] = factor ? [x + px / scale - px / next, y + py / scale - py / next, next, false] : [-20, -20, next, true];
     show();
@@ -182,53 +180,31 @@ export function mountBoard(root) {
     },
   };
 
-  function drawFace(patch) {
-    const shape = JSON.stringify([plate.name, patch.parts, patch.elements.map(({ settings, note, jacks, ...rest }) => [rest, jacks.map((jack) => [jack.name, jack.label])])]);
-    if (shape === faceShape) return;
-    [faceShape, cordShape] = [shape, ''];
-    layout = arrange(plate, patch, state.hello?.kinds ?? []);
-    drawn = draw(layout);
-    face.replaceChildren(drawn.node);
-    live.replaceChildren(svg('g', { class: `faceplate ${plate.class}` }, drawn.live));
-    stage.style.aspectRatio = `${layout.width + 40} / ${layout.height + 40}`;
-    if (isFitted) zoom(0, 0, 0, READABLE);
-    else show();
-  }
-  function drawWires(patch) {
-    const shape = JSON.stringify([patch.loose, patch.elements.map(({ jacks }) => jacks.map((jack) => jack.cords))]);
-    if (shape === cordShape) return;
-    cordShape = shape;
-    board.release();
-    cords = drawCords(patch, drawn.stops);
-    cordLayer.replaceChildren(...cords.nodes);
-    if (cords.nodes.length) cords.nodes[0].tabIndex = 0;
-  }
   async function render() {
     const { patch } = state;
     if (!patch || !isVisible() || !board.plates) return;
     const name = keep(`plate.${patch.machine}`) ?? (board.plates[patch.machine] ? patch.machine : 'plain');
     if (plate.name !== name) plate = { name, ...await faceplate(name) };
     if (patch !== state.patch) return;
-    const before = current;
-    const had = hasFocus();
-    drawFace(patch);
+    const [before, had] = [current, hasFocus()];
+    board.release();
+    drawn = draw(plate, patch, state.hello?.kinds ?? []);
+    cords = drawCords(patch, drawn.stops);
+    face.replaceChildren(drawn.node);
+    cordLayer.replaceChildren(...cords.nodes);
+    live.replaceChildren(svg('g', { class: drawn.node.getAttribute('class') }, drawn.live));
+    stage.style.aspectRatio = `${drawn.width + 40} / ${drawn.height + 40}`;
     index = new Map(patch.outputs.map((output, position) => [output.name, position]));
-    for (const element of patch.elements) {
-      stop(`module:${element.name}`).element = element;
-      for (const view of element.jacks) {
-        const jack = stop(`in:${element.name}.${view.name}`);
-        jack.view = view;
-        jack.node.classList.toggle('is-full', view.most !== null && view.cords.length >= view.most);
-      }
-    }
-    drawWires(patch);
-    drawn.show(patch);
+    for (const { node, view } of drawn.stops.values()) node.classList.toggle('is-full', view?.most <= view?.cords.length && view.most !== null);
+    if (cords.nodes.length) cords.nodes[0].tabIndex = 0;
+    [tipped, last] = [null, 0];
+    if (isFitted) zoom(0, 0, 0, READABLE);
+    else show();
     mark();
-    tipped = null;
     const one = stop(before?.key) ?? (before?.cord && stop(keysOf(before.cord).in)) ?? drawn.stops.values().next().value;
     if (had) focus(one.key);
     else settle(one);
-    hover(null, hasFocus() ? one : null);
+    hover(null, had ? one : null);
     board.patched(name);
   }
 

@@ -2,7 +2,7 @@
 
 import { svg } from './dom.js';
 
-const COLOURS = [...Array(8).keys()];
+const COLOURS = 8;
 /** The references have the same colours in every patch. */
 const FIXED = { '+100': 1, '-100': 0, ground: 7 };
 /** Outputs that are nearer than this have different colours if that is possible. */
@@ -23,19 +23,20 @@ export const keysOf = ({ element, jack, from }) => ({ cord: `cord:${from}>${elem
 /** The colour of each output, by its name. Outputs nearby and cords into one element differ, and all colours are used. */
 function colours(cords, jacks) {
   const found = new Map();
-  const count = (colour) => [...found.values()].filter((one) => one === colour).length;
+  const used = Array(COLOURS).fill(0);
   for (const from of new Set(cords.map((cord) => cord.from))) {
     const place = jacks.get(`out:${from}`);
     const goals = new Set(cords.filter((cord) => cord.from === from).map(({ element }) => element));
-    const taken = new Set(cords.filter(({ element }) => goals.has(element)).map((cord) => found.get(cord.from)));
+    const cost = [...used];
+    for (const cord of cords) if (goals.has(cord.element) && found.has(cord.from)) cost[found.get(cord.from)] += 100;
     for (const [other, colour] of found) {
       const there = jacks.get(`out:${other}`);
-      if (place && there && Math.hypot(place.x - there.x, place.y - there.y) < NEAR) taken.add(colour);
+      if (place && there && Math.hypot(place.x - there.x, place.y - there.y) < NEAR) cost[colour] += 100;
     }
-    const first = Math.floor(hash(from) * 8);
-    const order = COLOURS.map((step) => (first + 3 * step) % 8);
-    const cost = (colour) => count(colour) + (taken.has(colour) ? 1000 : 0);
-    found.set(from, FIXED[from] ?? order.reduce((best, colour) => (cost(colour) < cost(best) ? colour : best)));
+    let colour = FIXED[from] ?? Math.floor(hash(from) * COLOURS);
+    if (!(from in FIXED)) cost.forEach((_, step) => { const other = (colour + 3 * step) % COLOURS; if (cost[other] < cost[colour]) colour = other; });
+    found.set(from, colour);
+    used[colour] += 1;
   }
   return found;
 }
@@ -49,8 +50,9 @@ export function curve(a, b, name = '') {
   return `M${a.x} ${a.y}C${at(0.2)} ${at(0.8)} ${b.x} ${b.y}`;
 }
 
-const plug = ({ x, y }) => svg('g', { class: 'plug', transform: `translate(${x} ${y})` }, svg('circle', { class: 'plug-shade', cx: 1.5, cy: 3, r: 9 }),
-  svg('circle', { class: 'plug-body', r: 8.5 }), svg('circle', { r: 8.5, fill: 'url(#board-shine)' }), svg('circle', { class: 'plug-core', r: 3.2 }));
+const disc = (kind, r, more) => svg('circle', { class: kind, r, ...more });
+const plug = ({ x, y }) => svg('g', { transform: `translate(${x} ${y})` },
+  disc('plug-shade', 9, { cx: 1.5, cy: 3 }), disc('plug-body', 8.5), disc('', 8.5, { fill: 'url(#board-shine)' }), disc('plug-core', 3.2));
 
 /** A picture of a cord between two points. */
 export function drawCord(a, b, { name, colour = 4, ...attributes }) {
@@ -59,12 +61,11 @@ export function drawCord(a, b, { name, colour = 4, ...attributes }) {
 }
 
 /**
- * Draws all cords, the longest ones at the back.
- * @returns {{nodes: Element[], stops: Map<string, any>, plugs: any[], colours: Map<string, number>}} `stops` are cords and
- *   loose plugs by their keys
+ * Draws all cords, the longest ones at the back. `stops` are cords and loose plugs by their keys.
+ * @returns {{nodes: Element[], stops: Map<string, any>, plugs: any[], colours: Map<string, number>}}
  */
 export function drawCords({ elements, loose }, jacks) {
-  const cords = elements.flatMap(({ name, jacks: own }) => own.flatMap(({ name: jack, cords: from }) => from.map((output) => ({ element: name, jack, from: output }))));
+  const cords = elements.flatMap(({ name, jacks: own }) => own.flatMap(({ name: jack, cords: outputs }) => outputs.map((from) => ({ element: name, jack, from }))));
   const found = colours(cords, jacks);
   const heights = new Map();
   const stops = new Map();
@@ -78,22 +79,21 @@ export function drawCords({ elements, loose }, jacks) {
   }
   function add(key, name, a, b, data) {
     const node = drawCord(a, b, { name, colour: found.get(data.output), role: 'button', tabindex: -1, 'data-key': key });
-    const stop = { key, node, name, ...data, length: Math.hypot(a.x - b.x, a.y - b.y) };
-    stops.set(key, stop);
-    return stop;
+    stops.set(key, { key, node, name, ...data, length: Math.hypot(a.x - b.x, a.y - b.y) });
+    return stops.get(key);
   }
   for (const cord of cords) {
+    const { from, element, jack } = cord;
     const keys = keysOf(cord);
     const [a, b] = [stack(keys.out), stack(keys.in)];
     if (!a || !b) continue;
-    const middle = { x: (a.x + b.x) / 2, y: Math.max(a.y, b.y) };
-    const { node } = add(keys.cord, `${cord.from} → ${cord.element}.${cord.jack}`, a, b, { type: 'cord', cord, output: cord.from, ...middle });
-    plugs.push({ ...a, type: 'plug', cord, moves: 'out', node }, { ...b, type: 'plug', cord, moves: 'in', node });
+    const data = { type: 'cord', cord, output: from, x: (a.x + b.x) / 2, y: Math.max(a.y, b.y) };
+    const { node } = add(keys.cord, `${from} → ${element}.${jack}`, a, b, data);
+    for (const [end, moves] of [[a, 'out'], [b, 'in']]) plugs.push({ ...end, type: 'plug', cord, moves, node });
   }
   for (const { id, end, at: [x, y] } of loose) {
-    const a = stack(end.output ? `out:${end.output}` : keysOf({ ...end }).in);
+    const a = stack(end.output ? `out:${end.output}` : keysOf(end).in);
     if (a) plugs.push(add(`loose:${id}`, `Loose cord at ${end.output ?? `${end.element}.${end.jack}`}`, a, { x, y }, { type: 'loose', id, fixed: a.jack, output: end.output, x, y }));
   }
-  const nodes = [...stops.values()].sort((one, other) => other.length - one.length).map(({ node }) => node);
-  return { nodes, stops, plugs, colours: found };
+  return { nodes: [...stops.values()].sort((one, other) => other.length - one.length).map(({ node }) => node), stops, plugs, colours: found };
 }

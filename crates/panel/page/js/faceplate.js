@@ -2,30 +2,23 @@
 
 import { quantity, svg } from './dom.js';
 
-const PITCH = 28;
-const ROW = 46;
-const PAD = 9;
-const GAP = 14;
-const MARGIN = 24;
-const HEAD = 44;
+const [PITCH, ROW, PAD, GAP, MARGIN, HEAD] = [28, 46, 9, 14, 24, 44];
 /** Sections become wider by at most this factor, so that a row fills the panel. */
 const STRETCH = 1.3;
 
-const isGain = (name) => /^x\d/.test(name);
+const isGain = ({ name }) => /^x\d/.test(name);
 
 /** Reads a file of the folder of faceplates. */
 export const faceplate = async (name) => (await fetch(`faceplates/${name}.json`)).json();
 
 /** The sections with their modules. An unlimited machine has a free module in each section that is always shown. */
 function fill(plate, { elements, outputs, parts }, kinds) {
-  const partsOf = (kind) => kinds.find(({ name }) => name === kind)?.parts ?? [];
   const sections = plate.sections.map((row) => ({ ...row, modules: [] }));
-  for (const { name } of outputs) {
-    if (name in plate.references) sections.find(({ references }) => references).modules.push({ output: name });
-  }
+  for (const { name: output } of outputs) if (output in plate.references) sections.find((row) => row.references).modules.push({ output });
   for (const element of elements) {
-    const home = sections.find(({ kinds: own, family }) => own?.includes(element.kind) || family === element.family)
-      ?? sections.find(({ part }) => partsOf(element.kind).includes(part)) ?? sections.at(-1);
+    const needs = kinds.find(({ name }) => name === element.kind)?.parts ?? [];
+    const home = sections.find((row) => row.kinds?.includes(element.kind) || row.family === element.family)
+      ?? sections.find(({ part }) => needs.includes(part)) ?? sections.at(-1);
     home.modules.push({ element });
     for (const [key, names] of element.parts) {
       const row = sections.find(({ part }) => part === key);
@@ -45,17 +38,15 @@ function fill(plate, { elements, outputs, parts }, kinds) {
 function connect(module, { jacks: own = {}, out: [left, top] }) {
   const { element, output } = module;
   module.outs = (element?.outputs ?? [output]).map((name, row) => ({ type: 'out', output: name, element: element?.name, x: left, y: top + row * ROW }));
-  const views = element ? [...element.jacks] : output ? [] : Object.keys(own).map((name) => ({ name }));
+  const holes = Object.keys(own).map((name) => ({ name, label: name.slice(1), description: '', most: null, cords: [] }));
+  const views = element ? [...element.jacks] : output ? [] : holes;
   // Every gain of a summing input at the faceplate can be used.
-  if (element && views.some(({ name }) => isGain(name))) {
-    views.push(...Object.keys(own).filter((name) => isGain(name) && !views.some((view) => view.name === name))
-      .map((name) => ({ name, label: name.slice(1), description: '', most: null, cords: [] })));
-  }
+  if (element && views.some(isGain)) views.push(...holes.filter((hole) => isGain(hole) && !views.some(({ name }) => name === hole.name)));
   module.jacks = views.map((view) => ({ type: 'in', element: element?.name, jack: view.name, view, x: own[view.name]?.[0], y: own[view.name]?.[1] }));
   let [x, y] = [20, top];
   for (const jack of module.jacks) {
     while (jack.x === undefined) {
-      if (!module.jacks.some((other) => other.y === y && Math.abs(other.x - x) < 20)) Object.assign(jack, { x, y });
+      if (!module.jacks.some((other) => other.y === y && Math.abs(other.x - x) < 20)) [jack.x, jack.y] = [x, y];
       x += PITCH;
       if (x > left - PITCH) [x, y] = [20, y + ROW];
     }
@@ -68,7 +59,7 @@ function place(section, stretch) {
   const { x, y, columns, modules, template: { size, knob } } = section;
   const w = size[0] * stretch;
   const shift = (w - size[0]) / 2;
-  let top = y + HEAD - 20;
+  let top = y + 24;
   for (let first = 0; first < modules.length; first += columns) {
     const row = modules.slice(first, first + columns);
     const h = Math.max(size[1], ...row.flatMap(({ jacks, outs }) => [...jacks, ...outs].map((jack) => jack.y + 36)));
@@ -83,15 +74,15 @@ function place(section, stretch) {
 }
 
 /** Where everything is: sections from left to right and top to bottom, as wide as the panel. */
-export function arrange(plate, patch, kinds) {
+function arrange(plate, patch, kinds) {
   const rows = [];
   const room = plate.width - 2 * MARGIN;
   let width = room;
   for (const section of fill(plate, patch, kinds)) {
     const template = plate.modules[section.module];
     const columns = Math.min(section.columns, section.modules.length);
-    section.modules.forEach((module) => connect(module, template));
     const wide = columns * template.size[0];
+    section.modules.forEach((module) => connect(module, template));
     if (width + wide + 2 * PAD > room) {
       rows.push([]);
       width = 0;
@@ -111,7 +102,7 @@ export function arrange(plate, patch, kinds) {
     for (const section of row) section.h = h;
     y += h + GAP;
   }
-  return { plate, sections: rows.flat(), width: plate.width, height: y + 22 };
+  return { sections: rows.flat(), height: y + 22 };
 }
 
 /** What a module shows of its settings, in a few letters. */
@@ -123,71 +114,56 @@ function caption({ kind, settings }, name) {
   return [name, ...rows, ...words, kind === 'key-switch' && (set.closed?.value ? 'closed' : 'open')].filter(Boolean).join(' · ');
 }
 
-/** Compresses a text that is too long. */
-function squeeze(line, room, size = 6.1) {
-  line.removeAttribute('textLength');
-  if (line.textContent.length * size <= room) return line;
-  line.setAttribute('textLength', room);
-  line.setAttribute('lengthAdjust', 'spacingAndGlyphs');
-  return line;
-}
-
 const move = ([x, y]) => ({ transform: `translate(${x} ${y})` });
-const text = (kind, x, y, content = '') => svg('text', { class: kind, x, y }, content);
-/** Something that can have the focus. */
-const stop = (key, attributes, ...children) => svg('g', key ? { role: 'button', tabindex: -1, 'data-key': key, ...attributes } : attributes, children);
-
-function drawJack(stops, { x, y, ...data }, name, label) {
-  const key = name && `${data.type}:${name}`;
-  const node = stop(key, { class: `jack ${data.type}`, ...move([x, y]) }, svg('circle', { class: 'collar', r: 10.5 }),
-    svg('circle', { r: 7.5, fill: 'url(#board-metal)' }), svg('circle', { class: 'hole', r: 4 }), label && squeeze(text('jack-label', 0, -15, label), 27));
-  if (key) stops.set(key, { key, node, x, y, ...data });
-  return node;
+const circle = (kind, r, more) => svg('circle', { class: kind, r, ...more });
+/** A text, compressed if it is too long for its room. */
+function text(kind, x, y, content = '', room = Infinity, size = 6.1) {
+  return svg('text', { class: kind, x, y, ...content.length * size > room && { textLength: room, lengthAdjust: 'spacingAndGlyphs' } }, content);
 }
+/** Something that can have the focus, if it has a key. */
+const stop = (key, attributes, ...children) => svg('g', { ...attributes, ...key && { role: 'button', tabindex: -1, 'data-key': key } }, children);
 
 /**
- * Draws a faceplate.
- * @returns {{node: Element, live: Element[], stops: Map<string, any>, outs: any[], lamps: any[], show: (patch: any) => void}}
- *   `stops` are jacks, modules and free places by their keys, `live` is what changes in a run, `show` writes the settings
+ * Draws a faceplate. `stops` are jacks, modules and free places by their keys; `live` is what changes in a run.
+ * @returns {{node: Element, live: Element[], stops: Map<string, any>, outs: any[], lamps: any[], width: number, height: number}}
  */
-export function draw({ plate, sections, width, height }) {
+export function draw(plate, patch, kinds) {
+  const { width } = plate;
+  const { sections, height } = arrange(plate, patch, kinds);
   const stops = new Map();
-  const [outs, lamps, captions] = [[], [], []];
+  const [outs, lamps] = [[], []];
+  function drawJack({ x, y, ...data }, name, label) {
+    const key = name && `${data.type}:${name}`;
+    const node = stop(key, { class: `jack ${data.type}`, ...move([x, y]) }, circle('collar', 10.5), circle('', 7.5, { fill: 'url(#board-metal)' }), circle('hole', 4),
+      label && text('jack-label', 0, -15, label, 27));
+    if (key) stops.set(key, { key, node, x, y, ...data });
+    if (key && data.type === 'out') outs.push({ name, node: text('volts', x, y + 25) });
+    return node;
+  }
   function drawModule({ element, output, helps, part, at, w, h, jacks, outs: own, knob }, section, index) {
     const type = element ? 'module' : output || helps ? null : 'free';
     const key = type && `${type}:${element?.name ?? section.title + index}`;
-    const kind = element && section.add !== element.kind && element.kind.replaceAll('-', ' ');
     const face = stop(key, { class: 'plate' }, svg('rect', { width: w, height: h, rx: 4 }),
-      squeeze(text('name', 9, 18, element?.name ?? plate.references[output] ?? part), w - (element?.lamp ? 32 : 14), 8));
+      text('name', 9, 18, element?.name ?? plate.references[output] ?? part, w - (element?.lamp ? 32 : 14), 8));
     if (key) stops.set(key, { key, node: face, type, element, section, x: at[0] + 24, y: at[1] + 14, box: [...at, w, h] });
-    const line = knob ? text('caption is-middle', knob[0], knob[1] + 28) : text('caption', 9, 33, helps && `of ${helps}`);
-    const pointer = svg('path', { d: 'M0-3V-12' });
-    if (element) captions.push({ name: element.name, line, pointer, kind: !knob && kind, room: w - 14 });
-    if (element?.lamp) lamps.push({ output: element.outputs[0], node: svg('circle', { class: 'bulb', cx: at[0] + w - 14, cy: at[1] + 13, r: 5 }) });
-    for (const { output: name, x, y } of own) if (name) outs.push({ name, node: text('volts', x, y + 25) });
+    if (element?.lamp) lamps.push({ output: element.outputs[0], node: circle('bulb', 5, move([at[0] + w - 14, at[1] + 13])) });
+    const line = element ? caption(element, section.add !== element.kind && element.kind.replaceAll('-', ' ')) : helps && `of ${helps}`;
+    const turn = 300 * (element?.settings.find(({ name }) => name === 'setting')?.value ?? 0) - 150;
     return svg('g', { class: `module${element || output ? '' : helps ? ' is-helper' : ' is-free'}` },
-      svg('g', move(at), face, line, knob && svg('g', { class: 'pot', 'data-knob': element?.name, ...move(knob) },
-        svg('circle', { r: 16, class: 'skirt' }), svg('circle', { r: 12.5, fill: 'url(#board-cap)' }), pointer)),
-      jacks.map((jack) => drawJack(stops, jack, element && `${element.name}.${jack.jack}`, jack.view.label !== 'in' && jack.view.label)),
-      own.map((out) => drawJack(stops, out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
+      svg('g', move(at), face, knob ? text('caption is-middle', knob[0], knob[1] + 28, line || '') : text('caption', 9, 33, line || '', w - 14),
+        knob && svg('g', { class: 'pot', 'data-knob': element?.name, ...move(knob) }, circle('skirt', 16), circle('', 12.5, { fill: 'url(#board-cap)' }),
+          svg('path', { d: 'M0-3V-12', transform: `rotate(${turn})` }))),
+      jacks.map((jack) => drawJack(jack, element && `${element.name}.${jack.jack}`, jack.view.label !== 'in' && element && jack.view.label)),
+      own.map((out) => drawJack(out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
   }
-  const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map((at) =>
-    svg('g', move(at), svg('circle', { r: 6, fill: 'url(#board-metal)' }), svg('path', { class: 'slot', d: `M-4 ${at[0] % 7 - 3}L4 ${3 - at[0] % 7}` })));
   const panel = (attributes) => svg('rect', { width, height, rx: 12, ...attributes });
+  const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map((at, turn) =>
+    svg('g', move(at), circle('', 6, { fill: 'url(#board-metal)' }), svg('path', { class: 'slot', d: 'M-5 0H5', transform: `rotate(${turn * 53})` })));
   const node = svg('g', { class: `faceplate ${plate.class}` }, panel({ class: 'panel' }), panel({ fill: 'url(#board-sheen)' }), screws,
     text('make', MARGIN + 6, 29, plate.title), text('small-print', width - MARGIN - 6, height - 12, plate.note),
     sections.map((section) => svg('g', { class: `section ${section.class}` },
       svg('rect', { class: 'frame', x: section.x, y: section.y, width: section.w, height: section.h, rx: 7 }),
       svg('rect', { class: 'stripe', x: section.x + 9, y: section.y + 8, width: 10, height: 10, rx: 2 }),
       text('section-title', section.x + 25, section.y + 17, section.title), section.modules.map((module, index) => drawModule(module, section, index)))));
-  function show({ elements }) {
-    const named = new Map(elements.map((element) => [element.name, element]));
-    for (const { name, line, pointer, kind, room } of captions) {
-      const element = named.get(name);
-      line.textContent = caption(element, kind);
-      squeeze(line, room);
-      pointer.setAttribute('transform', `rotate(${300 * (element.settings.find((one) => one.name === 'setting')?.value ?? 0) - 150})`);
-    }
-  }
-  return { node, live: [...outs, ...lamps].map((one) => one.node), stops, outs, lamps, show };
+  return { node, live: [...outs, ...lamps].map((one) => one.node), stops, outs, lamps, width, height };
 }
