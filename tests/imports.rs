@@ -81,7 +81,13 @@ const MODULES: [(&str, &[&str]); 9] = [
             "schematic",
         ],
     ),
-    ("panel", &["pages", "scope", "command", "frame", "event", "session"]),
+    (
+        "panel",
+        &[
+            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places", "document", "view",
+            "session",
+        ],
+    ),
     (
         "server",
         &[

@@ -28,6 +28,8 @@ fn the_final_circuit_is_drawn_correctly() {
     assert!(["DZ", "0.2537", "PB1 PB2 D1D2"].iter().all(|text| texts.contains(text)), "{texts:?}");
     let v_o = drawn.main.symbols.iter().find(|placed| placed.symbol.name == "B3").unwrap();
     assert_eq!(v_o.symbol.outputs[0].signals, ["v_o"]);
+    let live = drawn.to_live_json().to_string();
+    assert!(live.len() < 60_000, "{} bytes are too many for every change of the patch", live.len());
 }
 
 #[test]
@@ -122,6 +124,10 @@ fn macros_are_drawn_as_boxes_with_ports_settings_and_inner_signals() {
     let inside: Vec<_> =
         drawn.macros[0].diagram.symbols.iter().map(|placed| placed.symbol.name.as_str()).collect();
     assert_eq!(inside, ["in", "level", "first", "sum", "second", "out", "between"]);
+    let live = drawn.to_live_json();
+    let outputs: Vec<_> =
+        live["symbols"][2]["outputs"].as_array().unwrap().iter().map(|output| &output["name"]).collect();
+    assert_eq!(outputs, ["W.out", "W.between"]);
 }
 
 /// Special ports: driven by the same output, by a reference or by the instance itself; connected only to

@@ -3,20 +3,48 @@
 //! A client sends a [`Request`] as JSON. A command that is refused has no effect, and its event says why. Names of
 //! commands and fields are part of the protocol, which docs/panel-protocol.md documents.
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 
 /// The version of the protocol. A client and a session of different versions do not work together.
 pub const PROTOCOL_VERSION: u32 = 1;
 
 /// Commands that are carried out in order, with a number that the response repeats.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
     /// The number of the request, chosen by the client.
     pub id: u64,
     /// The commands.
+    #[serde(deserialize_with = "commands")]
     pub commands: Vec<Command>,
+}
+
+/// Reads commands, each an object with the name under the key "command".
+///
+/// # Errors
+/// If a command is unknown, or a field is missing, unknown or of the wrong type.
+fn commands<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Command>, D::Error> {
+    let objects = Vec::<Map<String, Value>>::deserialize(deserializer)?;
+    objects.into_iter().map(command).collect::<Result<_, _>>().map_err(D::Error::custom)
+}
+
+/// Reads one command. Numbers in an enum whose tag is among its fields cannot be read while serde_json keeps their texts,
+/// so the tag is moved out first.
+///
+/// # Errors
+/// A message if it is not a command.
+fn command(mut object: Map<String, Value>) -> Result<Command, String> {
+    let Some(Value::String(name)) = object.remove("command") else {
+        return Err("a command is an object with its name under the key \"command\"".to_owned());
+    };
+    let has_fields = !object.is_empty();
+    let tagged = Value::Object(Map::from_iter([(name.clone(), Value::Object(object))]));
+    let outcome = serde_json::from_value(tagged);
+    // A command without fields is a word.
+    let outcome = if has_fields { outcome } else { outcome.or_else(|_| serde_json::from_value(Value::String(name.clone()))) };
+    outcome.map_err(|error| format!("command \"{name}\": {error}"))
 }
 
 /// The modes of the machine that a user can select.
@@ -58,8 +86,8 @@ pub enum CordEnd {
 }
 
 /// One action of a user, or a question of the page.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(tag = "command", rename_all = "kebab-case", deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Command {
     /// Asks for everything. The answer begins with the event `hello`.
     Hello,
@@ -243,6 +271,14 @@ pub enum Command {
         schematic: bool,
         /// Whether the equations are shown.
         equations: bool,
+    },
+    /// Searches for corrections of equations that the wiring does not solve. The answer is the event `findings`. It can
+    /// take seconds.
+    Advise,
+    /// Compares every output and derivative with the equations. The answer is the event `static-check`.
+    StaticCheck {
+        /// The seed of random test values; the initial condition if absent.
+        seed: Option<u64>,
     },
     /// Runs the patch from its beginning as `patchcord run` does. The answer is the event `table`.
     Run,

@@ -5,24 +5,95 @@
 pub struct Page {
     /// Its path in the folder `page`, which is its address below that of the panel: "js/main.js".
     pub path: &'static str,
-    /// Its MIME type.
-    pub kind: &'static str,
-    /// Its content.
-    pub bytes: &'static [u8],
+    /// Its text, as it is in the folder.
+    text: &'static str,
 }
 
-/// The row of a file.
-macro_rules! page {
-    ($path:literal, $kind:expr) => {
-        Page { path: $path, kind: $kind, bytes: include_bytes!(concat!("../page/", $path)) }
+impl Page {
+    /// Its content as it is sent: scripts and style sheets without lines of comments and without indentation.
+    ///
+    /// No text in them spans lines, which a test asserts, so this changes nothing else.
+    pub fn content(&self) -> String {
+        if !self.path.ends_with(".js") && !self.path.ends_with(".css") {
+            return self.text.to_owned();
+        }
+        let (mut content, mut is_comment) = (String::with_capacity(self.text.len()), false);
+        for line in self.text.lines().map(str::trim) {
+            is_comment |= line.starts_with("/*");
+            if !is_comment && !line.is_empty() && !line.starts_with("//") {
+                content.push_str(line);
+                content.push('\n');
+            }
+            is_comment &= !line.ends_with("*/");
+        }
+        content
+    }
+
+    /// Its MIME type, which follows from the ending of its path.
+    pub fn kind(&self) -> &'static str {
+        match self.path.rsplit_once('.').map_or("", |(_, ending)| ending) {
+            "css" => "text/css; charset=utf-8",
+            "html" => "text/html; charset=utf-8",
+            "js" => "text/javascript; charset=utf-8",
+            "json" => "application/json",
+            "svg" => "image/svg+xml",
+            _ => "application/octet-stream",
+        }
+    }
+}
+
+/// The table of files with these paths.
+macro_rules! pages {
+    ($($path:literal),* $(,)?) => {
+        &[$(Page { path: $path, text: include_str!(concat!("../page/", $path)) }),*]
     };
 }
 
-/// Type of pictures.
-const PICTURE: &str = "image/svg+xml";
-
 /// All pages, in alphabetical order of their paths.
-pub const PAGES: &[Page] = &[page!("icon.svg", PICTURE)];
+pub const PAGES: &[Page] = pages![
+    "css/board.css",
+    "css/equations.css",
+    "css/knobs.css",
+    "css/panel.css",
+    "css/schematic.css",
+    "css/scope.css",
+    "faceplates/index.json",
+    "faceplates/plain.json",
+    "faceplates/solartron-1451.json",
+    "faceplates/the-analog-thing.json",
+    "icon.svg",
+    "index.html",
+    "js/board-tools.js",
+    "js/board.js",
+    "js/controls.js",
+    "js/cords.js",
+    "js/dial.js",
+    "js/dom.js",
+    "js/equations.js",
+    "js/faceplate.js",
+    "js/files.js",
+    "js/frame.js",
+    "js/keys.js",
+    "js/knobs.js",
+    "js/lamps.js",
+    "js/link.js",
+    "js/loop.js",
+    "js/main.js",
+    "js/messages.js",
+    "js/meters.js",
+    "js/patching.js",
+    "js/probes.js",
+    "js/schematic.js",
+    "js/scope-controls.js",
+    "js/scope-export.js",
+    "js/scope-grid.js",
+    "js/scope-marks.js",
+    "js/scope-screen.js",
+    "js/scope-trace.js",
+    "js/scope.js",
+    "js/state.js",
+    "js/theme.js",
+];
 
 #[cfg(test)]
 mod tests {
@@ -56,17 +127,34 @@ mod tests {
     }
 
     #[test]
-    fn types_follow_from_the_endings() {
+    fn comments_and_indentation_are_not_sent() {
+        let text = "/** Adds. */\n  const a = 1; // kept\n\n/*\n * b\n */\n// c\nadd(a);\n";
+        let page = Page { path: "a.js", text };
+        assert_eq!(page.content(), "const a = 1; // kept\nadd(a);\n");
+        assert_eq!(Page { path: "a.json", text }.content(), text);
+    }
+
+    #[test]
+    fn no_text_of_a_script_spans_lines() {
+        for page in PAGES.iter().filter(|page| page.path.ends_with(".js")) {
+            for (number, line) in page.text.lines().enumerate() {
+                let quotes = line.replace("\\`", "").matches('`').count();
+                assert!(quotes % 2 == 0, "{}:{}", page.path, number + 1);
+            }
+        }
+    }
+
+    #[test]
+    fn all_scripts_together_are_small() {
+        let scripts = PAGES.iter().filter(|page| page.path.ends_with(".js"));
+        let bytes: usize = scripts.map(|page| page.content().len()).sum();
+        assert!(bytes <= 150_000, "{bytes} bytes");
+    }
+
+    #[test]
+    fn every_page_has_a_type() {
         for page in PAGES {
-            let expected = match page.path.rsplit_once('.').unwrap().1 {
-                "css" => "text/css; charset=utf-8",
-                "html" => "text/html; charset=utf-8",
-                "js" => "text/javascript; charset=utf-8",
-                "json" => "application/json",
-                "svg" => "image/svg+xml",
-                ending => panic!("no type for {ending}: {}", page.path),
-            };
-            assert_eq!(page.kind, expected, "{}", page.path);
+            assert_ne!(page.kind(), "application/octet-stream", "{}", page.path);
         }
     }
 }

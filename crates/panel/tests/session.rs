@@ -86,13 +86,13 @@ fn the_machine_follows_the_clock_and_has_the_voltages_of_a_run() {
     for _ in 0..60 {
         frame = client.advance(1.0 / 60.0);
     }
-    assert!((frame.time - 1.0).abs() < 3e-5, "{}", frame.time);
+    assert!((frame.header.time - 1.0).abs() < 3e-5, "{}", frame.header.time);
     let patch = Patch::parse("p.json", &text("thesis/fig-8-16.json")).unwrap();
     let circuit = Circuit::new(&patch).unwrap();
     let program = Program::new(&circuit).unwrap();
     let mut run = LiveRun::new(&program, &RunSettings::of(&circuit).unwrap()).unwrap();
-    while run.clock() < frame.time - 1e-6 {
-        run.advance(frame.time, u64::MAX).unwrap();
+    while run.clock() < frame.header.time - 1e-6 {
+        run.advance(frame.header.time, u64::MAX).unwrap();
     }
     for element in ["A1", "A2", "A4"] {
         let expected = run.machine().unwrap().voltage(element).unwrap();
@@ -104,7 +104,7 @@ fn the_machine_follows_the_clock_and_has_the_voltages_of_a_run() {
 fn a_turned_parameter_acts_at_once_and_undo_turns_it_back_without_a_reset() {
     let mut client = Client::with("lessons/mass-and-spring.json");
     client.mode("operate");
-    let before = client.advance(0.5).time;
+    let before = client.advance(0.5).header.time;
     let events = client.send(json!({"command": "parameter", "name": "m", "value": 4}));
     assert_eq!(event(&events, "parameter")["value"], 4.0);
     client.advance(0.1);
@@ -114,10 +114,10 @@ fn a_turned_parameter_acts_at_once_and_undo_turns_it_back_without_a_reset() {
     // P1 is k/m times scales: 40 / 4 * (1/10) / 10.
     let pot = patch["elements"].as_array().unwrap().iter().find(|element| element["name"] == "P1").unwrap();
     assert!((pot["settings"][0]["value"].as_f64().unwrap() - 0.1).abs() < 1e-12);
-    assert!((frame.unwrap().time - before - 0.2).abs() < 2e-3);
+    assert!((frame.unwrap().header.time - before - 0.2).abs() < 2e-3);
     let events = client.send(json!({"command": "undo"}));
     assert_eq!(event(&events, "parameter")["value"], 1.0);
-    assert!(client.advance(0.1).time > before + 0.2);
+    assert!(client.advance(0.1).header.time > before + 0.2);
     let refused = client.send(json!({"command": "parameter", "name": "m", "value": 40}));
     assert!(refusal(&refused).contains("m"), "{refused:?}");
 }
@@ -128,19 +128,19 @@ fn a_cord_that_is_pulled_out_is_a_finding_and_the_machine_runs_on_with_0_v() {
     client.mode("operate");
     client.advance(0.3);
     let frame = client.advance(0.2);
-    let (time, velocity) = (frame.time, client.volts(&frame, "A1"));
+    let (time, velocity) = (frame.header.time, client.volts(&frame, "A1"));
     let events = client.send(json!({"command": "unplug", "element": "A1", "jack": "x10", "from": "P1"}));
     let findings = event(&events, "findings")["findings"].as_array().unwrap().clone();
     let fault = findings.iter().find(|finding| finding["code"] == "no-driver").unwrap();
     assert_eq!(fault["place"]["element"], "A1");
     assert_eq!(event(&events, "patch")["runs"], true);
     let frame = client.advance(0.5);
-    assert!((frame.time - time - 0.5).abs() < 2e-3);
+    assert!((frame.header.time - time - 0.5).abs() < 2e-3);
     assert_eq!(client.volts(&frame, "A1"), velocity);
     let events = client.send(json!({"command": "undo"}));
     assert!(event(&events, "findings")["findings"].as_array().unwrap().iter().all(|one| one["severity"] != "error"));
     let frame = client.advance(0.2);
-    assert!(client.volts(&frame, "A1") != velocity && frame.time > time + 0.6);
+    assert!(client.volts(&frame, "A1") != velocity && frame.header.time > time + 0.6);
 }
 
 #[test]
@@ -149,12 +149,12 @@ fn a_single_sweep_ends_in_hold_and_repetitive_operation_counts() {
     client.mode("single");
     (0..5).for_each(|_| drop(client.advance(1.0)));
     let frame = client.advance(1.0);
-    assert_eq!((frame.mode, frame.time), (4, 3.0));
+    assert_eq!((frame.header.mode, frame.header.time), (4, 3.0));
     client.mode("repetitive");
     client.send(json!({"command": "rate", "hertz": 50}));
     let frame = client.advance(1.0);
-    assert!((48..=51).contains(&frame.repetitions), "{}", frame.repetitions);
-    assert_eq!(frame.mode, 5);
+    assert!((48..=51).contains(&frame.header.repetitions), "{}", frame.header.repetitions);
+    assert_eq!(frame.header.mode, 5);
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn the_machine_goes_back_in_its_run() {
     let events = client.send(json!({"command": "scrub", "time": 0.5}));
     assert_eq!(event(&events, "machine")["mode"], "hold");
     let frame = client.advance(0.0);
-    assert!((frame.time - 0.5).abs() < 1.1e-3, "{}", frame.time);
+    assert!((frame.header.time - 0.5).abs() < 1.1e-3, "{}", frame.header.time);
     assert!((client.volts(&frame, "A1") - velocities[4]).abs() < 0.6);
     client.mode("operate");
     let frame = client.advance(0.1);
@@ -185,8 +185,8 @@ fn pot_set_shows_settings_and_the_null_meter_compares() {
     client.send(json!({"command": "null-meter", "output": "P1", "divider": 0.39}));
     let frame = client.advance(0.0);
     // P1 is 40 / 1 * (1/10) / 10 = 0.4.
-    assert!((frame.meter.unwrap() - 40.0).abs() < 1e-9);
-    assert!((frame.null_meter.unwrap() - 1.0).abs() < 1e-9);
+    assert!((frame.header.meter.unwrap() - 40.0).abs() < 1e-9);
+    assert!((frame.header.null_meter.unwrap() - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -239,4 +239,29 @@ fn wrong_requests_are_refused_and_change_nothing() {
         assert!(!refusal(&client.send(wrong.clone())).is_empty(), "{wrong}");
     }
     assert_eq!(client.patch(), before);
+}
+
+#[test]
+fn an_equation_that_is_not_solved_is_a_finding_and_advice_corrects_it() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    // The first mistake of every beginner: the sign of the spring.
+    let events = client.send(
+        json!({"command": "move-cord", "element": "P1", "jack": "in", "from": "B1", "to": {"output": "A2"}}),
+    );
+    let findings = &event(&events, "findings")["findings"];
+    let fault = findings.as_array().unwrap().iter().find(|one| one["code"] == "equation-not-solved").unwrap();
+    assert!(fault["message"].as_str().unwrap().contains("the sign of"), "{fault}");
+    let events = client.send(json!({"command": "advise"}));
+    let findings = event(&events, "findings")["findings"].to_string();
+    assert!(findings.contains("plug B1 into P1 in place of A2"), "{findings}");
+    client.mode("problem-check");
+    let events = client.send(json!({"command": "static-check"}));
+    let table = event(&events, "static-check");
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(table["compared"], true);
+    // m x'' = -k x at 80 mm: -3200 mm/s^2, and a volt is 10 mm/s.
+    let rate = rows.iter().find(|row| row["element"] == "A1" && row["order"] == 1).unwrap();
+    let [expected, wired] = ["expected", "wired"].map(|key| rate[key].as_f64().unwrap());
+    assert!((expected + 320.0).abs() < 1e-9 && (wired - 320.0).abs() < 1e-9, "{rate}");
+    assert_eq!(rate["differs"], true);
 }

@@ -73,7 +73,7 @@ async fn page(method: Method, uri: Uri) -> Response {
     let path = uri.path().strip_prefix('/').unwrap_or_default();
     let path = if path.is_empty() { FIRST_PAGE } else { path };
     match PAGES.iter().find(|page| page.path == path) {
-        Some(page) => ([(header::CONTENT_TYPE, page.kind)], page.bytes).into_response(),
+        Some(page) => ([(header::CONTENT_TYPE, page.kind())], page.content()).into_response(),
         None => refusal(StatusCode::NOT_FOUND, "there is no such page"),
     }
 }

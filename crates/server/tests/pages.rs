@@ -33,13 +33,13 @@ fn all_pages_are_served_with_their_types() {
     let server = start(options());
     for page in PAGES {
         let response = server.get(&format!("/{}", page.path));
-        assert_eq!((response.status, response.body.as_slice()), (200, page.bytes), "{}", page.path);
-        let kind = format!("\r\ncontent-type: {}\r\n", page.kind);
+        assert_eq!((response.status, response.body.as_slice()), (200, page.content().as_bytes()), "{}", page.path);
+        let kind = format!("\r\ncontent-type: {}\r\n", page.kind());
         assert!(response.headers.contains(&kind), "{}: {}", page.path, response.headers);
     }
     let first = PAGES.iter().find(|page| page.path == "index.html").unwrap();
-    assert_eq!(server.get("/").body, first.bytes);
-    assert_eq!(server.get("/?patch=a.json").body, first.bytes);
+    assert_eq!(server.get("/").body, first.content().as_bytes());
+    assert_eq!(server.get("/?patch=a.json").body, first.content().as_bytes());
 }
 
 #[test]

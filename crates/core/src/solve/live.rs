@@ -122,21 +122,32 @@ impl<'p> LiveRun<'p> {
     /// # Errors
     /// If the run has to stop.
     pub fn advance(&mut self, clock: f64, most: u64) -> Result<LiveState, RunError> {
-        if let Some(mut operating) = self.operating.take() {
-            let Player { machine, recorder, .. } = &mut self.player;
-            let time = clock - recorder.hold_time;
-            let outcome = machine.continue_up_to(&mut operating.operation, time, most, recorder);
-            return match outcome {
-                Ok(false) => {
-                    self.operating = Some(operating);
-                    Ok(LiveState::Operating)
-                }
-                Ok(true) => self.end_operating(operating, Ok(())),
-                Err(error) => self.end_operating(operating, Err(error)),
-            };
+        if self.operating.is_none() {
+            let Some(phase) = self.queue.next() else { return Ok(LiveState::Finished) };
+            let state = self.begin(&phase)?;
+            if state != LiveState::Operating {
+                return Ok(state);
+            }
         }
-        let Some(phase) = self.queue.next() else { return Ok(LiveState::Finished) };
-        self.begin(&phase)
+        self.operate(clock, most)
+    }
+
+    /// Continues the phase in which the machine operates, up to a time of the recorder's clock.
+    ///
+    /// # Errors
+    /// If the run has to stop.
+    fn operate(&mut self, clock: f64, most: u64) -> Result<LiveState, RunError> {
+        let Some(mut operating) = self.operating.take() else { return Ok(LiveState::BetweenPhases) };
+        let Player { machine, recorder, .. } = &mut self.player;
+        let time = clock - recorder.hold_time;
+        match machine.continue_up_to(&mut operating.operation, time, most, recorder) {
+            Ok(false) => {
+                self.operating = Some(operating);
+                Ok(LiveState::Operating)
+            }
+            Ok(true) => self.end_operating(operating, Ok(())),
+            Err(error) => self.end_operating(operating, Err(error)),
+        }
     }
 
     /// Plays a phase, or begins it if the machine operates in it.

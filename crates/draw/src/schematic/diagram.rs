@@ -58,7 +58,7 @@ pub struct PlacedSymbol {
     /// The starts of the cords at the outputs, in their order.
     pub outputs: Vec<Point>,
     /// The primitives at their positions on the sheet.
-    primitives: Vec<Primitive>,
+    pub(super) primitives: Vec<Primitive>,
 }
 
 /// A net: an output and every jack that is connected to it.

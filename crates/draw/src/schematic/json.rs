@@ -209,7 +209,7 @@ fn net_summary<'a>(diagram: &'a Diagram, net: &'a Net) -> NetSummary<'a> {
 }
 
 /// Returns the key of a jack in the patch file, such as `x10`.
-fn jack_key(placed: &PlacedSymbol, jack: usize) -> String {
+pub(super) fn jack_key(placed: &PlacedSymbol, jack: usize) -> String {
     let jack = &placed.symbol.jacks[jack];
     jack.gain.map_or_else(|| jack.input.clone(), |gain| format!("{}{gain}", jack.input))
 }

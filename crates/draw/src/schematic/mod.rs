@@ -13,6 +13,7 @@ mod json;
 mod layout;
 mod legend;
 mod lists;
+mod live;
 mod number_text;
 mod settings;
 mod shapes;

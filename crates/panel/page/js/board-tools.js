@@ -17,17 +17,16 @@ export function mountTools(board) {
 
   /** What a name can be: an output, an input by its name or its label, or an element with one input. */
   function named(text) {
-    const inputs = board.stops.filter(({ type }) => type === 'in');
-    const only = inputs.filter(({ element }) => element === text);
     const [, element, jack] = /^(.+)\.([^.]+)$/.exec(text) ?? [];
-    const exact = inputs.find((one) => one.element === element && (one.jack === jack || one.view.label === jack));
-    const isElement = state.patch.elements.some(({ name }) => name === element);
-    return { from: state.patch.outputs.find(({ name }) => name === text)?.name, exact, into: exact ?? (only.length === 1 ? only[0] : isElement && { element, jack }) };
+    const inputs = board.stops.filter((one) => one.type === 'in' && (one.element === text || one.element === element));
+    const exact = inputs.find((one) => element && [one.jack, one.view.label].includes(jack));
+    const other = element ? { element, jack } : inputs.length === 1 && inputs[0];
+    return { from: board.stop(`out:${text}`) && text, exact, into: exact ?? (inputs.length > 0 && other) };
   }
   /** Carries out the line: "B1 P1.in", "P1.in <- B1" or "remove P1.in B1". */
   async function enter(event) {
     event.preventDefault();
-    const words = field.value.replace(/<?->?|→|←/g, (sign) => (/^-$/.test(sign) ? sign : ' ')).trim().split(/\s+/);
+    const words = field.value.replace(/<-|->|→/g, ' ').trim().split(/\s+/);
     const isRemoval = words[0] === 'remove' && Boolean(words.shift());
     const [one, other] = [named(words[0] ?? ''), named(words[1] ?? '')];
     const [{ from }, { into }] = one.from && other.into && !one.exact ? [one, other] : [other, one];
@@ -43,8 +42,9 @@ export function mountTools(board) {
   /** Offers the names that can follow. */
   function complete() {
     const words = field.value.split(/\s+/).slice(0, -1);
-    const first = words.filter((word) => word !== 'remove' && !/^<?->?$/.test(word)).map(named);
-    const fits = first.length > 1 ? [] : board.stops.filter(({ type }) => (first.length ? type === (first[0].exact ? 'out' : 'in') : type === 'in' || type === 'out'));
+    const first = words.filter((word) => word !== 'remove' && !/<-|->/.test(word)).map(named);
+    const types = [['in', 'out'], [first[0]?.exact ? 'out' : 'in']][first.length] ?? [];
+    const fits = board.stops.filter(({ type }) => types.includes(type));
     names.replaceChildren(...fits.map((one) => el('option', { value: [...words, board.nameOf(one)].join(' ') })));
   }
 
@@ -100,7 +100,7 @@ export function mountTools(board) {
     canvas.style.setProperty('--cord-opacity', Math.min(0.3 + share, 1));
   }
   const run = { add: () => open(), lock: () => setLock(!isLocked()), clear };
-  const listen = (target, names1, listener) => names1.split(' ').forEach((name) => target.addEventListener(name, listener));
+  const listen = (target, events, listener) => events.split(' ').forEach((event) => target.addEventListener(event, listener));
   listen(find('.board-line'), 'submit', enter);
   listen(field, 'input focus', complete);
   listen(search, 'input', () => { at = 0; offer(); });
@@ -138,7 +138,7 @@ export function mountTools(board) {
   bind('/', 'Type a cord, such as B1 P1.in', type);
   // C is Problem check elsewhere.
   listen(root, 'keydown', (event) => {
-    if (event.key === 'Escape' && event.target === field) board.focus(board.current?.key);
+    if (event.key === 'Escape' && event.target === field) board.back();
     if (event.key !== 'c' || event.ctrlKey || event.metaKey || event.target.closest('input, select')) return;
     event.preventDefault();
     type();

@@ -23,7 +23,7 @@ export function mountBoard(root) {
   const [tipText, tipButton] = tip.children;
   let plate = {};
   let drawn = { stops: new Map(), outs: [], lamps: [], width: 1000, height: 600 };
-  let cords = { stops: new Map(), plugs: [], colours: new Map() };
+  let cords = { stops: new Map() };
   let notes = new Map();
   let index = new Map();
   let [x, y, scale, width, height] = [0, 0, 0, 0, 0];
@@ -76,20 +76,17 @@ export function mountBoard(root) {
     return Number.isNaN(value) ? '' : value.toFixed(1).replace('-', '−');
   }
   const nameOf = ({ type, element, jack, output, name }) => name ?? { in: `${element}.${jack}`, out: output }[type] ?? element?.name;
-  function liveText(output) {
-    const { signal, unit, per_volt: perVolt } = state.patch.outputs[index.get(output)] ?? {};
-    const value = volts(output);
-    return value && `${value} V${signal ? `, ${signal} = ${quantity(value.replace('−', '-') * perVolt, unit, 3)}` : ''}`;
-  }
   function describe(one) {
     const { type, element, view, section, output, key } = one;
+    const value = volts(output);
+    const { signal, unit, per_volt: perVolt } = state.patch.outputs[index.get(output)] ?? {};
     const list = (names, word) => (names.length ? `${word} ${names.join(', ')}` : 'no cord');
-    const goals = () => cords.plugs.filter(({ moves, cord }) => moves === 'in' && cord.from === output).map(({ cord }) => `${cord.element}.${cord.jack}`);
+    const goals = () => board.plugs.filter(({ moves, cord }) => moves === 'in' && cord.from === output).map(({ cord }) => `${cord.element}.${cord.jack}`);
     const what = {
       in: () => ['input', list(view.cords, 'from'), view.description], out: () => ['output', list(goals(), 'to')],
       module: () => [element.kind, element.note], free: () => [`Free: ${section.title}. Enter adds an element`],
     }[type]?.() ?? [];
-    return [nameOf(one), ...what, liveText(output), ...notes.get(key) ?? []].filter(Boolean).join(', ');
+    return [nameOf(one), ...what, value && `${value} V`, value && signal && `${signal} = ${quantity(state.frame.volts[index.get(output)] * perVolt, unit, 3)}`, ...notes.get(key) ?? []].filter(Boolean).join(', ');
   }
   const label = (one) => one.node.setAttribute('aria-label', describe(one));
 
@@ -168,11 +165,9 @@ export function mountBoard(root) {
 
   const board = {
     root, find, canvas, over, say, keep, stop, focus, pan, zoom, hover, bubble, ring, nameOf, render, units, hasFocus,
-    get stops() { return [...drawn.stops.values(), ...cords.stops.values()]; },
-    get plugs() { return cords.plugs; },
-    get colours() { return cords.colours; },
-    get current() { return current; },
-    get scale() { return scale; },
+    stops: [], plugs: [],
+    reach: (distance) => distance / Math.min(scale, 1.4),
+    back: () => focus(current?.key),
     remove(one) {
       const { type, cord, id, element } = one;
       send({ cord: { command: 'unplug', ...cord }, loose: { command: 'remove-loose', id }, module: { command: 'remove-element', name: element?.name } }[type]);
@@ -190,6 +185,7 @@ export function mountBoard(root) {
     board.release();
     drawn = draw(plate, patch, state.hello?.kinds ?? []);
     cords = drawCords(patch, drawn.stops);
+    [board.stops, board.plugs, board.colours] = [[...drawn.stops.values(), ...cords.stops.values()], cords.plugs, cords.colours];
     face.replaceChildren(drawn.node);
     cordLayer.replaceChildren(...cords.nodes);
     live.replaceChildren(svg('g', { class: drawn.node.getAttribute('class') }, drawn.live));
@@ -226,9 +222,10 @@ export function mountBoard(root) {
     if (tipped?.output) tipText.textContent = describe(tipped);
   });
   on('refused', ({ message, place }) => {
-    const one = isVisible() && place?.element && placed(place);
+    if (!isVisible() || !place?.element) return;
+    const one = placed(place);
     if (one) bubble(message, one);
-    else if (isVisible() && place?.element) toast(message);
+    else toast(message);
   });
   on('highlight', (place) => {
     const one = isVisible() && place?.element && placed(place);

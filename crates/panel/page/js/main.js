@@ -43,7 +43,7 @@ function mountTabs() {
     bind(String(index + 1), tab.textContent.trim(), () => select(tab));
   });
   // The place of a finding is in the views, so one of those that can show it must be open.
-  on('highlight', () => { if (!byId('equations').hidden) select(tabs[0]); });
+  on('highlight', ({ element }) => { if (element && !byId('equations').hidden) select(tabs[0]); });
   select(byId(localStorage.getItem(TAB) ?? '') ?? tabs[0]);
 }
 

@@ -31,7 +31,7 @@ export function mountPatching(board) {
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
   function nearest(event, test = () => true) {
     const point = board.units(event);
-    let least = (REACH[event.pointerType] ?? REACH.mouse) / Math.min(board.scale, 1.4);
+    let least = board.reach(REACH[event.pointerType] ?? REACH.mouse);
     let found = null;
     for (const one of [...board.plugs, ...board.stops.filter(isJack)]) {
       const distance = Math.hypot(one.x - point.x, one.y - point.y);
@@ -100,7 +100,7 @@ export function mountPatching(board) {
       else release();
     } else if (!isLocked()) {
       const isFull = jack?.node.classList.contains('is-full');
-      begin(isFull ? board.plugs.find((plug) => plug.jack === jack && plug.moves === 'in') ?? jack : hit, !isFull);
+      begin(isFull ? board.plugs.find((plug) => plug.jack === jack && plug.moves) ?? jack : hit, !isFull);
     }
   }
   function click({ hit, key, knob }) {

@@ -1,7 +1,7 @@
 /** The controls of a scope: selects, switches and buttons around the screen. */
 
 import { el, svg } from './dom.js';
-import { nameOf, si } from './scope-screen.js';
+import { nameOf, si } from './scope-grid.js';
 
 const PERSISTENCE = [0, 0.2, 0.5, 1, 2, 5, 10, 20, 60];
 const [LEAST_VOLTS, MOST_VOLTS] = [0.01, 50];

@@ -1,7 +1,8 @@
 /** Pictures and tables of a scope, as downloads. */
 
 import { svg } from './dom.js';
-import { ACROSS, drawGrid, drawTraces, layout, scales, si, UP } from './scope-screen.js';
+import { ACROSS, drawGrid, layout, scales, si, UP } from './scope-grid.js';
+import { drawTraces } from './scope-screen.js';
 
 /** Size of a picture, and the space around the graticule. */
 const [WIDTH, HEIGHT, MARGIN] = [900, 740, 56];

@@ -2,6 +2,8 @@
 
 /** Most points of curves, and most stored traces, that are kept for drawing them again. */
 const [MOST_POINTS, MOST_STORED] = [1 << 18, 24];
+/** Most columns: more are a time base that the session does not have yet. */
+const MOST_COLUMNS = 1 << 12;
 /** Milliseconds after an erasure in which the next trace removes what late frames brought. */
 const LATE = 500;
 
@@ -60,7 +62,7 @@ export class Trace {
   }
 
   takeTime(data, isFresh, span, stores) {
-    const total = Math.min(1 << 13, Math.max(data.reached, Math.round(span / data.columnSeconds) || 1));
+    const total = Math.max(data.reached, Math.min(MOST_COLUMNS, Math.round(span / data.columnSeconds) || 1));
     if (total !== this.total || data.columnSeconds !== this.columnSeconds) {
       this.reset();
       this.total = total;
@@ -72,7 +74,9 @@ export class Trace {
     } else if (!isFresh && data.reached === this.reached && data.left === this.left) {
       return;
     }
-    this.columns.forEach((columns, channel) => columns.set(data.channels[channel]?.subarray(0, 2 * total) ?? []));
+    for (let channel = 0; channel < 2; channel += 1) {
+      if (data.channels[channel]) this.columns[channel].set(data.channels[channel]);
+    }
     [this.left, this.columnSeconds, this.reached] = [data.left, data.columnSeconds, data.reached];
     this.changes += 1;
   }

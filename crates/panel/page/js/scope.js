@@ -3,8 +3,9 @@
 import { el } from './dom.js';
 import { makeControls, stepOf, stepVolts, TIME_BASES } from './scope-controls.js';
 import { save } from './scope-export.js';
+import { ACROSS, nameOf, reading, scales, si, UP } from './scope-grid.js';
 import { makeMark, placeMark } from './scope-marks.js';
-import { ACROSS, nameOf, reading, scales, Screen, si, UP } from './scope-screen.js';
+import { Screen } from './scope-screen.js';
 import { Trace } from './scope-trace.js';
 import { on, selectProbe, send, state } from './state.js';
 
@@ -208,9 +209,12 @@ export function mountScope(root, index) {
   function describe(now) {
     textAt = now;
     const { controls, outputs, lit, span } = model;
-    const parts = outputs.flatMap((output, channel) => (output ? [`${nameOf(output)}: ${
-      reading(state.frame?.volts[places[channel]] ?? NaN, output)}, ${
-      reading(controls.channels[channel].volts_per_division, output, '/div')}${lit[channel] ? ', overloaded' : ''}`] : []));
+    const parts = outputs.flatMap((output, channel) => {
+      if (!output) return [];
+      const value = reading(state.frame?.volts[places[channel]] ?? NaN, output);
+      const scale = reading(controls.channels[channel].volts_per_division, output, '/div');
+      return [`${nameOf(output)}: ${value}, ${scale}${lit[channel] ? ', overloaded' : ''}`];
+    });
     const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${si(span / ACROSS, 's')}/div`;
     canvases[2].setAttribute('aria-label', `Scope ${index + 1}, ${kind}. ${parts.join('. ') || 'No probe'}`);
   }
@@ -247,7 +251,7 @@ export function mountScope(root, index) {
   on('frame', (frame) => {
     if (!model.controls) return;
     const now = performance.now();
-    isMoving = frame.moves;
+    isMoving = frame.moves && !frame.paused;
     if (isMoving) trace.clock += Math.min(0.1, (now - frameAt) / 1000);
     frameAt = now;
     places.forEach((place, channel) => {

@@ -128,7 +128,7 @@ fn free_name(prefix: &str, is_taken: impl Fn(&str) -> bool) -> String {
 
 /// The scale for a new drive: 1 V of the quantity per volt. It is added if the patch does not have it.
 fn volt_scale(patch: &Patch, editor: &mut PatchEditor) -> String {
-    let is_one = |formula: &Formula| formula.text().trim().parse() == Ok(1.0);
+    let is_one = |formula: &Formula| formula.text().trim().parse::<f64>().is_ok_and(|value| value == 1.0);
     let mut scales = patch.scales.iter();
     let found = scales.find(|(_, scale)| {
         scale.unit.text() == "V" && scale.per_volt.as_ref().is_some_and(|placed| is_one(&placed.value))

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use self::bench::{Bench, Probes};
 use crate::command::{Command, Mode, PROTOCOL_VERSION, Request};
-use crate::compiled::{Compiled, compile};
+use crate::compiled::{Compiled, advise, compile};
 use crate::document::{Change, Document, Refusal};
 use crate::event::{Event, MachineState, OverloadView, Response};
 use crate::frame::{self, FrameHeader};
@@ -242,6 +242,16 @@ impl Session {
                 }
             }
             Command::Run => events.push(self.run_event()?),
+            Command::Advise => {
+                if let Some(report) = advise(self.document.patch()) {
+                    self.report = report;
+                }
+                events.push(self.findings_event());
+            }
+            Command::StaticCheck { seed } => {
+                let compiled = self.compiled.as_ref().ok_or_else(faulty)?;
+                events.push(view::static_check_event(&compiled.circuit, &compiled.program, *seed).map_err(refusal)?);
+            }
             edit => {
                 let before = self.value_to_restore(edit);
                 let change = self.document.apply(edit)?;
@@ -403,8 +413,7 @@ impl Session {
 
     /// The events about the patch, its faults, and the views that the page shows.
     fn patch_events(&self) -> Vec<Event> {
-        let findings = places::findings(&self.report, self.document.patch());
-        let mut events = vec![self.patch_event(), Event::Findings { findings }];
+        let mut events = vec![self.patch_event(), self.findings_event()];
         if self.shows.schematic {
             events.push(self.schematic_event());
         }
@@ -414,6 +423,11 @@ impl Session {
         events
     }
 
+    /// The event about the findings of the checker.
+    fn findings_event(&self) -> Event {
+        Event::Findings { findings: places::findings(&self.report, self.document.patch()) }
+    }
+
     /// The event with the schematic.
     fn schematic_event(&self) -> Event {
         let Some(compiled) = &self.compiled else {
@@ -421,7 +435,7 @@ impl Session {
             return Event::Schematic { drawing: None, message };
         };
         match Schematic::new(&compiled.circuit, "", "", &|_| None) {
-            Ok(schematic) => Event::Schematic { drawing: Some(schematic.to_json()), message: None },
+            Ok(schematic) => Event::Schematic { drawing: Some(schematic.to_live_json()), message: None },
             Err(error) => Event::Schematic { drawing: None, message: Some(error.to_string()) },
         }
     }
@@ -443,7 +457,7 @@ impl Session {
     /// If the patch cannot run.
     fn run_event(&self) -> Result<Event, Refusal> {
         let compiled = compile(self.document.patch()).1;
-        let compiled = compiled.ok_or_else(|| refusal("the patch has faults; correct them first".to_owned()))?;
+        let compiled = compiled.ok_or_else(faulty)?;
         let settings = RunSettings::of(&compiled.circuit).map_err(|error| refusal(error.to_string()))?;
         let trace = run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
         let mut csv = Vec::new();
@@ -576,6 +590,11 @@ fn answer(id: Option<u64>, events: Vec<Event>, frame: Option<Vec<u8>>) -> Answer
     // All keys are texts and all numbers are finite or null, so this cannot fail.
     let text = serde_json::to_string(&response).unwrap_or_default();
     Answer { text, frame }
+}
+
+/// The refusal of a command that needs a patch without faults.
+fn faulty() -> Refusal {
+    refusal("the patch has faults; correct them first".to_owned())
 }
 
 /// A refusal that is not about a place at the panel.

@@ -5,6 +5,7 @@ mod jacks;
 mod probes;
 mod quantities;
 mod settings;
+mod static_check;
 
 use patchcord_core::circuit::{Circuit, part_count};
 use patchcord_core::elements::{Family, Kind, OutputStage, REGISTRY};
@@ -21,25 +22,27 @@ use crate::event::{
 use crate::wiring;
 pub use equations::equations;
 pub use probes::usual_scopes;
+pub use static_check::static_check_event;
 use settings::SettingViewer;
 
 /// The first event of a session.
 pub fn hello() -> Event {
-    let parts = |kind: &Kind| {
-        let always = kind.parts.iter().filter(|row| row.with.is_empty());
-        always.map(|row| row.part.key().to_owned()).collect()
-    };
-    let kind = |kind: &&'static Kind| KindView {
+    Event::Hello {
+        protocol: PROTOCOL_VERSION,
+        kinds: REGISTRY.iter().map(|kind| kind_view(kind)).collect(),
+        machines: machines::ALL.iter().map(|machine| machine_view(machine)).collect(),
+    }
+}
+
+/// A kind of element. Parts that only some settings or inputs need are not listed.
+fn kind_view(kind: &Kind) -> KindView {
+    let always = kind.parts.iter().filter(|row| row.with.is_empty());
+    KindView {
         name: kind.name.to_owned(),
         summary: kind.summary.to_owned(),
         law: kind.law.to_owned(),
-        parts: parts(kind),
+        parts: always.map(|row| row.part.key().to_owned()).collect(),
         prefix: prefix(kind.name).to_owned(),
-    };
-    Event::Hello {
-        protocol: PROTOCOL_VERSION,
-        kinds: REGISTRY.iter().map(kind).collect(),
-        machines: machines::ALL.iter().map(|machine| machine_view(machine)).collect(),
     }
 }
 

@@ -88,6 +88,12 @@ pub(super) fn shows_setting(symbol: &Symbol, setting: &SymbolSetting) -> bool {
     !setting.is_given || row_of(symbol).is_some_and(|(.., written)| written.contains(&setting.name.as_str()))
 }
 
+/// Returns the settings that the shape of a symbol shows, in the order in which it draws them.
+pub(super) fn drawn_settings(symbol: &Symbol) -> impl Iterator<Item = &SymbolSetting> {
+    let names = row_of(symbol).map_or(&[][..], |(.., names)| *names);
+    names.iter().filter_map(|name| symbol.setting(name))
+}
+
 /// Returns the number of leading jacks that may be exchanged, which are those of a summing input.
 pub(super) fn exchangeable(symbol: &Symbol) -> usize {
     let summing = symbol.jacks.iter().take_while(|jack| jack.input == "x");

@@ -2,10 +2,10 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import test from 'node:test';
 
-import { decode } from '../js/frame.js';
+import { decode } from '../../page/js/frame.js';
 
 /** A frame that a test of crates/panel/src/frame.rs writes. */
-const bytes = readFileSync(new URL('../../tests/frame.bin', import.meta.url));
+const bytes = readFileSync(new URL('../frame.bin', import.meta.url));
 const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
 
 test('a frame has everything', () => {

@@ -1,0 +1,198 @@
+/** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
+
+import { button, el, quantity } from './dom.js';
+import { toast } from './messages.js';
+import { choose } from './probes.js';
+import { emit, highlight, on, send, state } from './state.js';
+
+const GREEK = Object.fromEntries('alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ kappa κ lambda λ mu μ nu ν xi ξ rho ρ sigma σ tau τ phi φ chi χ psi ψ omega ω'
+  .split(' ').flatMap((word, index, all) => (index % 2 ? [] : [[word, all[index + 1]]])));
+const TOKEN = /\s+|\d+(?:\.\d+)?(?:e[+-]?\d+)?|[\p{L}_][\p{L}\d_.]*|./gu;
+const WORD = /^[\p{L}_]/u;
+const PRIMES = ['', '′', '″', '‴'];
+
+/** What a name in an equation is: an output, a parameter, or neither. */
+function meaning(name) {
+  const { patch } = state;
+  if (patch?.parameters.some((each) => each.name === name)) return { parameter: name };
+  const output = patch?.signals.find((each) => each.name === name)?.at
+    ?? patch?.outputs.find((each) => each.name === name || each.name === `${name}.out`)?.name;
+  return output ? { output } : null;
+}
+
+/** A name as mathematics prints it: "v_rate" has a subscript, "rho" is a letter. */
+function printed(name) {
+  const [base, ...rest] = name.split('_');
+  return [el('i', null, GREEK[base] ?? base), rest.length > 0 && base && el('sub', null, rest.join(' '))];
+}
+
+function nameNode(name) {
+  const at = meaning(name);
+  if (!at) return el('span', null, printed(name));
+  const key = at.output ?? at.parameter;
+  const node = el('button', {
+    type: 'button', class: `eq-name eq-${at.output ? 'output' : 'parameter'}`, 'data-key': key, 'aria-label': at.output ? `${name}, place a probe` : `${name}, show its knob`,
+    onclick: (event) => (at.output ? choose(at.output, node, event) : highlight(at)),
+    onpointerenter: () => emit('pointed', at), onpointerleave: () => emit('pointed', {}),
+    onfocus: () => emit('pointed', at), onblur: () => emit('pointed', {}),
+  }, printed(name).flat());
+  return node;
+}
+
+/** What is hidden is read out, so that a fraction is one in words too. */
+const spoken = (text) => el('span', { class: 'spoken' }, text);
+const operator = (sign) => [el('span', { class: 'eq-op' }, ` ${sign}`), '\u00a0'];
+
+/**
+ * Sets a formula in plain text: fractions, powers, primes, functions. Throws if the text is something else, such as a
+ * condition.
+ */
+function formula(text) {
+  const tokens = text.match(TOKEN) ?? [];
+  let at = 0;
+  const skip = () => { while (/^\s/u.test(tokens[at] ?? '')) at += 1; };
+  const next = () => { skip(); return tokens[at]; };
+  const expect = (sign) => { if (next() !== sign) throw new Error(`expected ${sign}`); at += 1; };
+  const list = () => {
+    const items = [sum()];
+    while (next() === ',') { at += 1; items.push([el('span', { class: 'eq-op' }, ', '), ...sum()]); }
+    expect(')');
+    return items.flat();
+  };
+  /** An atom and whether it is in parentheses that a fraction or a bar makes needless. */
+  const atom = () => {
+    const token = next();
+    at += 1;
+    if (token === '(') {
+      const inner = sum();
+      expect(')');
+      return { nodes: ['(', ...inner, ')'], inner };
+    }
+    if (/^\d/u.test(token)) return { nodes: [quantity(Number(token), '', 12)], isNumber: true };
+    if (!WORD.test(token ?? '')) throw new Error('expected a value');
+    if (tokens[at] === '(') {
+      at += 1;
+      const inside = list();
+      if (token === 'abs') return { nodes: ['|', ...inside, '|'] };
+      return { nodes: [el('span', { class: 'eq-function' }, token), '(', ...inside, ')'] };
+    }
+    let primes = 0;
+    while (tokens[at] === "'") { at += 1; primes += 1; }
+    return { nodes: [nameNode(token), PRIMES[primes] ?? `(${primes})`], name: primes ? null : token };
+  };
+  const power = () => {
+    const base = atom();
+    if (next() !== '^') return base;
+    at += 1;
+    const exponent = next() === '-' ? (at += 1, ['−', ...atom().nodes]) : (({ inner, nodes }) => inner ?? nodes)(atom());
+    return { nodes: [...base.nodes, el('sup', null, spoken('to the power '), exponent)] };
+  };
+  const product = () => {
+    let left = power();
+    for (;;) {
+      const token = next();
+      if (token === '/') {
+        at += 1;
+        const right = power();
+        const fraction = el('span', { class: 'eq-fraction' }, el('span', null, left.inner ?? left.nodes), spoken(' over '), el('span', null, right.inner ?? right.nodes));
+        left = { nodes: [fraction], isFraction: true };
+      } else if (token === '*' || token === '(' || (token !== undefined && (WORD.test(token) || /^\d/u.test(token)))) {
+        if (token === '*') at += 1;
+        const right = power();
+        // After a number, a name without meaning is a unit.
+        const isUnit = left.isNumber && right.name && right.name !== 't' && !meaning(right.name);
+        // A fraction alone needs no parentheses in a product.
+        const bare = (part) => (part.inner?.length === 1 && part.inner[0].classList?.contains('eq-fraction') ? part.inner : part.nodes);
+        left = { nodes: [...bare(left), ...(token === '*' ? operator('·') : ['\u2009']), ...(isUnit ? [right.name] : bare(right))] };
+      } else return left;
+    }
+  };
+  const sum = () => {
+    const nodes = [];
+    if (next() === '-') { at += 1; nodes.push('−'); }
+    nodes.push(...product().nodes);
+    while (next() === '+' || next() === '-') {
+      nodes.push(...operator(next() === '+' ? '+' : '−'));
+      at += 1;
+      nodes.push(...product().nodes);
+    }
+    return nodes;
+  };
+  const nodes = sum();
+  if (next() !== undefined) throw new Error('more follows');
+  return nodes;
+}
+
+/** Sets a text of which only the names are known. */
+function words(text) {
+  return (text.match(TOKEN) ?? []).map((token) => (WORD.test(token) && meaning(token) ? nameNode(token) : token === '-' ? '−' : token));
+}
+
+function set(text) {
+  try {
+    return formula(text);
+  } catch {
+    return words(text);
+  }
+}
+
+/** An equation. One with cases has a line for each, with its condition after two blanks or more. */
+function equation(text) {
+  const [, left, right] = text.match(/^(.*?)\s=\s(.*)$/su) ?? [];
+  if (left === undefined) return words(text);
+  const lines = right.split('\n').map((line) => line.trim().split(/\s{2,}/u));
+  const value = lines.length === 1 && lines[0].length === 1 ? set(right)
+    : el('span', { class: 'eq-cases' }, lines.flatMap(([one, condition]) => [el('span', null, set(one)), el('span', { class: 'eq-condition' }, words(condition ?? ''))]));
+  return [...set(left), ...operator('='), ...[value].flat()];
+}
+
+/** Shows the equations. @param {HTMLElement} root */
+export function mountEquations(root) {
+  const copy = (name, text) => button(`Copy ${name}`, () => navigator.clipboard.writeText(text())
+    .then(() => toast(`The equations are copied as ${name}.`, 'note'), () => toast('The browser does not permit copying.')), { class: 'small' });
+  const plain = () => state.equations.equations.map(({ text }) => text).join('\n');
+  const message = el('p', { class: 'eq-message', role: 'status' });
+  const body = el('div', { class: 'eq-body' });
+  root.classList.add('equations-view');
+  root.replaceChildren(message, body);
+
+  const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, el('span', null, hint));
+  const row = (text, faults = []) => el('li', { class: faults.length ? 'eq-wrong' : null }, el('div', { class: 'eq-row' }, equation(text)),
+    faults.map(fault));
+  const show = async () => {
+    const view = state.equations;
+    if (!view) return;
+    message.textContent = view.message ?? '';
+    message.hidden = !view.message;
+    root.classList.toggle('is-stale', Boolean(view.message));
+    if (view.message) return;
+    const faults = state.findings.filter(({ code }) => code === 'equation-not-solved');
+    const lines = faults.length ? (await send({ command: 'text' })).find(({ event }) => event === 'text')?.text.split('\n') : null;
+    // A finding says where its equation is in the text of the patch.
+    const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
+    const rest = faults.filter((each) => !view.stated.some((text) => isOf(text)(each)));
+    body.replaceChildren(
+      el('section', null,
+        el('div', { class: 'eq-head' }, el('h2', null, 'Solved by the wiring'), copy('text', plain), copy('LaTeX', () => state.equations.latex)),
+        el('ul', { class: 'eq-list' }, view.equations.map(({ text }) => row(text))),
+        view.more.trim() && el('pre', { class: 'eq-more', tabindex: 0, 'aria-label': 'Values at the start, drives and remarks' }, view.more.trim())),
+      view.stated.length > 0 && el('section', null,
+        el('div', { class: 'eq-head' }, el('h2', null, 'Stated by the patch')),
+        rest.map(fault),
+        el('ul', { class: 'eq-list' }, view.stated.map((text) => row(text, faults.filter(isOf(text)))))) || '');
+  };
+  // A knob that is turned changes no name, so that the buttons stay and keep the focus.
+  let drawn = '';
+  const refresh = () => {
+    const { patch, equations, findings } = state;
+    const names = patch && [patch.parameters, patch.signals, patch.outputs].map((list) => list.map(({ name, at }) => [name, at]));
+    const text = JSON.stringify([equations, names, findings]);
+    if (text !== drawn) show();
+    drawn = text;
+  };
+  for (const name of ['equations', 'findings', 'patch']) on(name, refresh);
+  on('pointed', ({ output, parameter }) => {
+    const key = output ?? parameter;
+    for (const node of body.querySelectorAll('[data-key]')) node.classList.toggle('lit', node.dataset.key === key);
+  });
+}

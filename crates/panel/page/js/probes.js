@@ -1,0 +1,78 @@
+/** Probes: where they are, and the menu that places them. */
+
+import { button, el } from './dom.js';
+import { emit, isProbing, on, probed, send, state } from './state.js';
+
+/** Where the meters are. The event `meter` says it: it is sent by whoever connects one. */
+const meters = { meter: null, 'null-meter': null };
+on('meter', ({ meter, output }) => { meters[meter] = output; });
+
+/**
+ * All probes of scopes and meters, with their outputs and a function that connects them.
+ * @returns {{name: string, mark: string, look: string, output: string | null, connect: (output: string | null) => void}[]}
+ */
+export function probes() {
+  const channels = state.scopes.flatMap((controls, scope) => controls.channels.map(({ output }, index) => ({
+    name: `Scope ${scope + 1}, channel ${index + 1}`, mark: `${scope + 1}.${index + 1}`, look: String(index + 1), output,
+    connect: (to) => send({
+      command: 'scope', scope,
+      controls: { ...controls, channels: controls.channels.map((each, other) => (other === index ? { ...each, output: to } : each)) },
+    }),
+  })));
+  const meter = (command, name, mark, more) => ({
+    name, mark, look: 'meter', output: meters[command],
+    connect(output) {
+      send({ command, output, ...more });
+      emit('meter', { meter: command, output });
+    },
+  });
+  return [...channels, meter('meter', 'Voltmeter', 'V'), meter('null-meter', 'Null meter', 'N', { divider: 0 })];
+}
+
+/** Name and quantity of an output: "A1, v_o". */
+export function outputName(output) {
+  const { signal } = state.patch?.outputs.find(({ name }) => name === output) ?? {};
+  return signal && signal !== output ? `${output}, ${signal}` : output;
+}
+
+/** The user has chosen an output: it gets the probe that waits, or a menu opens at the place. @param {Element} at */
+export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
+  if (isProbing()) {
+    probed(output);
+    return;
+  }
+  let isOpen = true;
+  const close = () => {
+    // The focus leaves while the menu is removed.
+    if (isOpen) {
+      isOpen = false;
+      menu.remove();
+    }
+  };
+  const back = document.activeElement;
+  const items = probes().map(({ name, look, output: now, connect }) => button(name, () => {
+    connect(now === output ? null : output);
+    close();
+    back?.focus({ preventScroll: true });
+  }, { role: 'menuitemcheckbox', 'aria-checked': String(now === output), 'data-look': look, tabindex: -1 }));
+  const menu = el('div', {
+    class: 'probe-menu', role: 'menu', 'aria-label': `Probe at ${outputName(output)}`,
+    onfocusout: ({ relatedTarget }) => { if (!menu.contains(relatedTarget)) close(); },
+    onkeydown(event) {
+      const by = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+      if (by) items.at((items.indexOf(document.activeElement) + by) % items.length).focus();
+      else if (event.key === 'Escape' || event.key === 'Tab') back?.focus({ preventScroll: true });
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    },
+  }, el('p', { 'aria-hidden': 'true' }, outputName(output)), items);
+  document.querySelector('.probe-menu')?.remove();
+  document.body.append(menu);
+  const box = at.getBoundingClientRect();
+  const { width, height } = menu.getBoundingClientRect();
+  const within = (value, size, whole) => `${Math.max(8, Math.min(value, whole - size - 8))}px`;
+  menu.style.left = within(clientX || box.left, width, innerWidth);
+  menu.style.top = within((clientY || box.bottom) + 6, height, innerHeight);
+  items[0].focus({ preventScroll: true });
+}

@@ -1,0 +1,382 @@
+/** The schematic: symbols and wires with live voltages, probes and findings. */
+
+import { button, el, quantity, svg } from './dom.js';
+import { choose, outputName, probes } from './probes.js';
+import { emit, highlight, on, state } from './state.js';
+
+/** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
+const SHOWN = 67;
+/** Steps of thickness and colour of a wire from zero to full scale. */
+const LEVELS = 4;
+const ZOOM = [0.1, 6];
+/** The smallest scale at which texts can be read. A larger drawing is cut at first. */
+const READABLE = 0.62;
+/** Pixels that a pointer moves before it pans. */
+const SLACK = 5;
+/** Pixels from a finger to the output that it means. */
+const FINGER = 22;
+/** Pixels at the bottom for the buttons. */
+const TOOLS = 52;
+/** Milliseconds for which a place is ringed. */
+const RINGED = 4000;
+
+/** A primitive as `Schematic::to_live_json` has it. */
+function shape([form, ink, ...rest]) {
+  const line = { class: `ink-${ink}`, fill: 'none', 'stroke-width': rest[0] };
+  const filled = { class: `fill-${ink}` };
+  const circle = (look, [cx, cy, r]) => svg('circle', { ...look, cx, cy, r });
+  switch (form) {
+    case 'line': return svg('polyline', { ...line, points: rest[1] });
+    case 'area': return svg('polygon', { ...filled, points: rest[0] });
+    case 'ring': return circle(line, rest.slice(1));
+    case 'disc': return circle(filled, rest);
+  }
+  const [size, anchor, x, y, text, setting] = rest;
+  return svg('text', { ...filled, x, y, 'font-size': size, 'text-anchor': anchor, 'data-setting': setting }, text);
+}
+
+function symbolNode({ name, area: [left, top, right, bottom], primitives, outputs }) {
+  return svg('g', { class: 'symbol', 'data-element': name, 'data-output': outputs[0]?.name },
+    svg('rect', { class: 'hit', x: left - 5, y: top - 5, width: (outputs[0]?.from[0] ?? right) - left + 8, height: bottom - top + 10 }),
+    primitives.map(shape));
+}
+
+/** The lines of an output: the piece at the symbol, then those of its net. */
+function netNode(output, net) {
+  const lines = [[output.from, output.at], ...net?.lines ?? []];
+  const d = lines.map(([[x, y], [u, v]]) => `M${x} ${y}L${u} ${v}`).join('');
+  return svg('g', { class: 'net', 'data-output': output.name },
+    svg('path', { class: 'hit', d }), svg('path', { class: 'wire', d }),
+    net?.dots.map(([cx, cy]) => svg('circle', { cx, cy, r: 3 })),
+    net?.arrows.map(([x, y]) => svg('path', { d: `M${x - 4} ${y}l8-3.5v7z` })));
+}
+
+function outputNode({ name, from: [left, y], at: [right] }) {
+  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'menu', 'aria-label': outputName(name) },
+    svg('rect', { class: 'hit', x: left - 2, y: y - 14, width: right - left + 6, height: 30, rx: 4 }),
+    svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
+}
+
+/** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
+function voltsText(volts) {
+  const text = Math.abs(volts).toFixed(2);
+  return Number(text) === 0 ? '0.00' : `${volts < 0 ? '−' : '+'}${text}`;
+}
+
+/** Shows the schematic. @param {HTMLElement} root */
+export function mountSchematic(root) {
+  const layer = (name) => svg('g', { class: name });
+  const [nets, symbols, outputs, marks] = ['nets', 'symbols', 'outputs', 'marks'].map(layer);
+  const world = svg('g', null, nets, symbols, outputs, marks);
+  const picture = svg('svg', { class: 'schematic', role: 'group', 'aria-label': 'Schematic' }, world);
+  const info = el('p', { class: 'schematic-info', hidden: true });
+  const message = el('p', { class: 'schematic-message', role: 'status', hidden: true });
+  const tools = el('div', { class: 'schematic-tools', role: 'group', 'aria-label': 'Zoom' },
+    button('+', () => zoomMiddle(1.3), { 'aria-label': 'Zoom in', title: 'Zoom in (+, or Ctrl and the wheel)' }),
+    button('−', () => zoomMiddle(1 / 1.3), { 'aria-label': 'Zoom out', title: 'Zoom out (−, or Ctrl and the wheel)' }),
+    button('Fit', () => fit(), { title: 'Show the whole drawing (0)' }));
+  root.classList.add('schematic-view');
+  root.replaceChildren(picture, info, message, tools);
+
+  /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
+  let drawing = null;
+  let cells = new Map();
+  let [lit, last, focused] = [null, 0, null];
+
+  // Pan and zoom.
+
+  let view = { x: 0, y: 0, k: 1 };
+  let isFitted = true;
+  const place = (x, y, k, keeps = false) => {
+    view = { x, y, k };
+    isFitted = keeps;
+    world.setAttribute('transform', `translate(${x} ${y}) scale(${k})`);
+    picture.toggleAttribute('data-free', !keeps);
+  };
+  const zoom = (by, x, y) => {
+    const k = Math.min(ZOOM[1], Math.max(ZOOM[0], view.k * by));
+    place(x - (x - view.x) * k / view.k, y - (y - view.y) * k / view.k, k);
+  };
+  const zoomMiddle = (by) => zoom(by, picture.clientWidth / 2, picture.clientHeight / 2);
+  /** Shows the whole drawing; with a least scale, its upper left part. */
+  const fit = (least = 0) => {
+    const width = picture.clientWidth;
+    const height = picture.clientHeight - TOOLS;
+    if (!drawing || !width) return;
+    const whole = Math.min(width / drawing.width, height / drawing.height, 1.6);
+    const k = Math.max(whole, least);
+    const middle = (size, own) => Math.max((size - own * k) / 2, 0);
+    place(middle(width, drawing.width), middle(height, drawing.height), k, k === whole);
+  };
+  /** Pans as far as is necessary to show a point of the drawing. */
+  const reveal = ([x, y]) => {
+    const by = (from, at, size) => (from + at * view.k < 40 || from + at * view.k > size - 40 ? size / 2 - at * view.k : from);
+    const [u, v] = [by(view.x, x, picture.clientWidth), by(view.y, y, picture.clientHeight)];
+    if (u !== view.x || v !== view.y) place(u, v, view.k);
+  };
+  let isNew = true;
+  const begin = () => {
+    if (!picture.clientWidth || !drawing) return;
+    if (isNew) fit(READABLE);
+    else if (isFitted) fit();
+    isNew = false;
+  };
+  new ResizeObserver(begin).observe(picture);
+
+  const pointers = new Map();
+  let travel = 0;
+  const spread = () => {
+    const [a, b = a] = pointers.values();
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, size: Math.hypot(a.x - b.x, a.y - b.y) };
+  };
+  const local = ({ clientX, clientY }) => {
+    const { left, top } = picture.getBoundingClientRect();
+    return { x: clientX - left, y: clientY - top };
+  };
+  picture.addEventListener('pointerdown', (event) => {
+    if (pointers.size === 0) travel = 0;
+    pointers.set(event.pointerId, local(event));
+  });
+  picture.addEventListener('pointermove', (event) => {
+    if (!pointers.has(event.pointerId)) return;
+    const before = spread();
+    pointers.set(event.pointerId, local(event));
+    const after = spread();
+    travel += Math.hypot(after.x - before.x, after.y - before.y) + Math.abs(after.size - before.size);
+    if (travel < SLACK) return;
+    if (!picture.hasPointerCapture(event.pointerId)) picture.setPointerCapture(event.pointerId);
+    place(view.x + after.x - before.x, view.y + after.y - before.y, view.k);
+    if (before.size && after.size) zoom(after.size / before.size, after.x, after.y);
+  });
+  for (const name of ['pointerup', 'pointercancel', 'pointerleave']) {
+    picture.addEventListener(name, ({ pointerId }) => pointers.delete(pointerId));
+  }
+  // The wheel scrolls the page, unless the user has gone into the drawing.
+  picture.addEventListener('wheel', (event) => {
+    if (!event.ctrlKey && !event.metaKey && !picture.contains(document.activeElement)) return;
+    event.preventDefault();
+    const { x, y } = local(event);
+    zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)), x, y);
+  }, { passive: false });
+
+  // Values.
+
+  const outputOf = (name) => state.patch?.outputs[cells.get(name)?.index];
+  const valueText = (name) => {
+    const volts = state.frame?.volts[cells.get(name)?.index];
+    if (volts === undefined) return '';
+    const { signal, unit, per_volt: perVolt } = outputOf(name);
+    return `${signal ? `${quantity(volts * perVolt, unit)}, ` : ''}${voltsText(volts)} V`;
+  };
+  const showInfo = () => {
+    const cell = cells.get(lit);
+    info.hidden = !cell;
+    if (!cell) return;
+    const to = cell.net?.to.map(([element, jack]) => `${element} ${jack}`).join(', ');
+    const text = [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  ');
+    if (info.textContent !== text) info.textContent = text;
+  };
+  const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
+  /** Writes what has changed. */
+  const paint = (cell, { text, level, lamp }) => {
+    if (text !== cell.text) cell.nodes.volts.textContent = cell.text = text;
+    if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
+    if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
+  };
+  on('frame', ({ volts, lamps, firstLamp }) => {
+    const now = performance.now();
+    if (now - last < SHOWN || root.hidden) return;
+    last = now;
+    const scale = full();
+    for (const cell of cells.values()) {
+      const value = volts[cell.index];
+      if (value === undefined) continue;
+      const steps = Math.min(LEVELS, Math.ceil(Math.abs(value) / scale * LEVELS - 0.04));
+      const lamp = !lamps[cell.index] ? '' : firstLamp === cell.index ? 'first' : 'lit';
+      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp });
+    }
+    showInfo();
+  });
+
+  // Nets under the pointer or the focus.
+
+  const light = (name) => {
+    lit = name;
+    picture.toggleAttribute('data-lit', cells.has(name));
+    for (const node of world.querySelectorAll('.lit')) node.classList.remove('lit');
+    const cell = cells.get(name);
+    const ends = new Set([cell?.element, ...cell?.net?.to.map(([element]) => element) ?? []]);
+    for (const node of [cell?.nodes.net, cell?.nodes.output, ...symbols.children].filter(Boolean)) {
+      if (!node.matches('.symbol') || ends.has(node.dataset.element)) node.classList.add('lit');
+    }
+    showInfo();
+  };
+  const under = (event) => event.target.closest?.('[data-output]')?.dataset.output ?? null;
+  const point = (output) => emit('pointed', { output });
+  on('pointed', ({ output }) => light(output ?? null));
+  picture.addEventListener('pointerover', (event) => point(under(event) ?? (picture.contains(document.activeElement) ? focused : null)));
+  picture.addEventListener('pointerleave', () => point(null));
+  picture.addEventListener('focusout', () => point(null));
+  picture.addEventListener('focusin', (event) => {
+    const name = under(event);
+    if (!cells.has(name)) return;
+    rove(name);
+    const said = state.findings.filter(({ place: at }) => at?.element === cells.get(name).element);
+    cells.get(name).nodes.output.setAttribute('aria-label',
+      [outputName(name), valueText(name), ...said.map((finding) => finding.message)].filter(Boolean).join(', '));
+    reveal(cells.get(name).output.at);
+    point(name);
+  });
+
+  // Actions.
+
+  const rove = (name) => {
+    cells.get(focused)?.nodes.output.setAttribute('tabindex', -1);
+    cells.get(name)?.nodes.output.setAttribute('tabindex', 0);
+    focused = name;
+  };
+  const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
+    if (setting) highlight({ element, setting });
+  };
+  /** The output next to a finger, which is not as precise as a pointer. */
+  const near = ({ pointerType, clientX, clientY }) => {
+    let [found, least] = [null, pointerType === 'touch' ? FINGER : 0];
+    for (const node of outputs.children) {
+      const { left, right, top, bottom } = node.getBoundingClientRect();
+      const away = Math.hypot(Math.max(left - clientX, clientX - right, 0), Math.max(top - clientY, clientY - bottom, 0));
+      if (away < least) [found, least] = [node, away];
+    }
+    return found;
+  };
+  picture.addEventListener('click', (event) => {
+    const node = event.target.closest('.net, .output') ?? near(event);
+    if (node && travel < SLACK) choose(node.dataset.output, node, event);
+  });
+  picture.addEventListener('dblclick', ({ target }) => {
+    const symbol = target.closest('.symbol');
+    if (symbol) openKnob(symbol.dataset.element, target.dataset.setting);
+  });
+  const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] };
+  /** The output that is nearest in a direction. Those straight ahead come before those at the side. */
+  const nearest = ([dx, dy]) => {
+    const [x, y] = cells.get(focused).output.at;
+    let [found, least] = [focused, Infinity];
+    for (const [name, { output: { at: [u, v] } }] of cells) {
+      const along = (u - x) * dx + (v - y) * dy;
+      const far = along + 2.5 * Math.abs((u - x) * dy + (v - y) * dx);
+      if (along > 1 && far < least) [found, least] = [name, far];
+    }
+    return found;
+  };
+  const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
+  root.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('button')) return;
+    const node = event.target.closest('.output');
+    const names = [...cells.keys()];
+    const act = {
+      '+': () => zoomMiddle(1.3), '-': () => zoomMiddle(1 / 1.3), 0: () => fit(),
+      Home: () => go(names[0]), End: () => go(names.at(-1)),
+      ...node && {
+        Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element),
+        Escape: () => point(null),
+      },
+    }[event.key] ?? (ARROWS[event.key] && (() => go(node ? nearest(ARROWS[event.key]) : focused)));
+    if (!act || !cells.has(focused)) return;
+    // A probe that waits is called off by the page.
+    if (event.key !== 'Escape') event.preventDefault();
+    act();
+  });
+
+  // Probes, findings, and places to which something points.
+
+  let ring = null;
+  let timer = 0;
+  const spot = ({ element, jack }) => {
+    const symbol = drawing?.symbols.find(({ name }) => name === element);
+    const input = symbol?.inputs.find((each) => each.jack === jack);
+    return symbol && { symbol, at: input?.at ?? null };
+  };
+  const showMarks = () => {
+    const counts = new Map();
+    const tips = probes().filter(({ output }) => cells.has(output)).map(({ output, mark, look, name }) => {
+      const count = counts.get(output) ?? 0;
+      counts.set(output, count + 1);
+      // The outputs of an instance are close to each other, so that the tips are at the ends of their wires.
+      const { port, at, from } = cells.get(output).output;
+      const [x, y] = port ? [at[0], at[1] + 21] : from;
+      return svg('g', { class: 'tip', 'data-look': look, role: 'img', 'aria-label': `${name} at ${outputName(output)}` },
+        svg('title', null, name), !port && svg('path', { class: 'needle', d: `M${x + 1.5} ${y}v-14` }),
+        svg('rect', { x: x - 1.5 + 24 * count, y: y - 28, width: 22, height: 14, rx: 7 }),
+        svg('text', { x: x + 9.5 + 24 * count, y: y - 17.5 }, mark));
+    });
+    const places = new Map();
+    const flags = state.findings.map(({ severity, message: text, place: where }) => {
+      const found = where?.element && spot(where);
+      if (!found) return null;
+      const [x, y] = found.at ?? [found.symbol.area[0] + 4, found.symbol.area[1] + 4];
+      const count = places.get(`${x} ${y}`) ?? 0;
+      places.set(`${x} ${y}`, count + 1);
+      const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${where.element}${where.jack ? ` ${where.jack}` : ''}: ${text}`;
+      return svg('g', { class: `flag ${severity}`, role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count} ${y - 7})` },
+        svg('title', null, text), svg('path', { d: 'M0-8.5 8.5 6.5H-8.5Z' }), svg('text', { y: 5 }, '!'));
+    });
+    marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
+  };
+  on('scopes', showMarks);
+  on('meter', showMarks);
+  on('findings', showMarks);
+  on('highlight', (where) => {
+    const found = where?.element && spot(where);
+    if (!found) return;
+    const [left, top, right, bottom] = found.symbol.area;
+    ring = found.at
+      ? svg('circle', { class: 'ring', cx: found.at[0], cy: found.at[1], r: 13 })
+      : svg('rect', { class: 'ring', x: left - 5, y: top - 5, width: right - left + 10, height: bottom - top + 10, rx: 10 });
+    showMarks();
+    reveal(found.at ?? [(left + right) / 2, (top + bottom) / 2]);
+    if (!root.hidden && !where.setting) root.scrollIntoView({ block: 'nearest' });
+    clearTimeout(timer);
+    timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
+  });
+
+  const index = () => {
+    const names = state.patch?.outputs.map(({ name }) => name) ?? [];
+    for (const [name, cell] of cells) cell.index = names.indexOf(name);
+  };
+  const draw = () => {
+    const had = picture.contains(document.activeElement);
+    symbols.replaceChildren();
+    const made = drawing.symbols.flatMap((symbol) => {
+      const node = symbols.appendChild(symbolNode(symbol));
+      return symbol.outputs.map((output) => {
+        const net = drawing.nets.find(({ from }) => from === output.name);
+        const own = outputNode(output);
+        return { output, net, element: symbol.name, nodes: { symbol: node, net: netNode(output, net), output: own, volts: own.lastChild } };
+      });
+    });
+    // In the order of reading: rows, and from left to right in each.
+    const row = ({ output: { at: [, y] } }) => Math.round(y / 90);
+    made.sort((a, b) => row(a) - row(b) || a.output.at[0] - b.output.at[0]);
+    // The last voltages stay until the next frame.
+    for (const cell of made) paint(cell, cells.get(cell.output.name) ?? {});
+    cells = new Map(made.map((cell) => [cell.output.name, cell]));
+    nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
+    outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
+    index();
+    rove(cells.has(focused) ? focused : made[0]?.output.name);
+    if (had) go(focused);
+    else light(lit);
+    showMarks();
+  };
+  on('schematic', ({ drawing: next, message: text }) => {
+    picture.toggleAttribute('data-stale', !next);
+    message.hidden = !text;
+    message.textContent = text ?? '';
+    if (!next) return;
+    isNew ||= !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
+    drawing = next;
+    begin();
+    draw();
+  });
+  on('patch', index);
+}

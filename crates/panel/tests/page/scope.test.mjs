@@ -1,0 +1,81 @@
+// What the page's oscilloscope keeps of the frames, and its steps and readings.
+
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { stepOf, stepVolts } from '../../page/js/scope-controls.js';
+import { reading, scales, si } from '../../page/js/scope-grid.js';
+import { Trace } from '../../page/js/scope-trace.js';
+
+const time = (generation, values) => ({
+  display: 'time', generation, left: 0, columnSeconds: 0.5, reached: values.length,
+  channels: [Float32Array.from(values.flatMap((value) => [value, value + 2])), null],
+});
+const plane = (generation, first, ...points) => ({ display: 'plane', generation, first, points: Float32Array.from(points.flat()) });
+
+test('A new trace leaves the one before in the columns that it has not reached', () => {
+  const trace = new Trace();
+  trace.take(time(1, [1, 2, 3, 4]), 2, false, 0);
+  trace.take(time(2, [9]), 2, false, 1000);
+  assert.deepEqual([0, 0.3, 0.6, 0.9].map((share) => trace.valueAt(0, share)), [10, 3, 4, 5]);
+  assert.ok(Number.isNaN(trace.valueAt(1, 0)));
+});
+
+test('Finished traces are stored, and an erasure removes them together with a late frame', () => {
+  const trace = new Trace();
+  trace.take(time(1, [1, 2, 3, 4]), 2, true, 0);
+  trace.take(time(2, [9]), 2, true, 1000);
+  assert.deepEqual([...trace.stored[0].columns[0]], [1, 3, 2, 4, 3, 5, 4, 6]);
+  assert.ok(Number.isNaN(trace.valueAt(0, 0.5)));
+  trace.erase(2000);
+  trace.take(time(2, [9, 9]), 2, true, 2010);
+  trace.take(time(3, [5]), 2, true, 2030);
+  assert.equal(trace.stored.length, 0);
+  assert.deepEqual(trace.extent(0), [5, 7]);
+});
+
+test('The points of a frame replace provisional ones', () => {
+  const trace = new Trace();
+  trace.take(plane(1, 0, [0, 0, -1], [1, 1, 0.5], [2, 1, 0.25]), 1, false, 0);
+  trace.take(plane(1, 2, [3, 1, 0.5], [3, 4, 1]), 1, false, 20);
+  assert.deepEqual([...trace.points.subarray(0, 3 * trace.count)], [0, 0, -1, 1, 1, 0.5, 3, 1, 0.5, 3, 4, 1]);
+  assert.equal(trace.replaced, 0.25);
+  assert.deepEqual([trace.extent(0), trace.extent(1)], [[0, 3], [0, 4]]);
+  trace.take(plane(2, 0, [7, 7, -1]), 1, true, 40);
+  assert.deepEqual([trace.finished, trace.count], [4, 5]);
+});
+
+test('Points that are missing begin a new curve', () => {
+  const trace = new Trace();
+  trace.take(plane(1, 0, [0, 0, -1]), 1, false, 0);
+  trace.take(plane(1, 5, [1, 1, 0.5]), 1, false, 20);
+  assert.equal(trace.points[5], -1);
+});
+
+test('The period of a sine', () => {
+  const trace = new Trace();
+  const values = Array.from({ length: 1000 }, (_, at) => 50 * Math.sin((2 * Math.PI * at) / 125));
+  trace.take(time(1, values), 500, false, 0);
+  assert.ok(Math.abs(trace.periodOf(0) - 62.5) < 0.5);
+});
+
+test('Steps are 1-2-5, in volts or in units', () => {
+  assert.deepEqual([1, 2, 5, 0.003].map((value) => stepOf(value, 1)), [2, 5, 10, 0.005]);
+  assert.deepEqual([1, 2, 5, 0.003].map((value) => stepOf(value, -1)), [0.5, 1, 2, 0.002]);
+  assert.equal(stepVolts(20, 1, 0.2), 25);
+  assert.equal(stepVolts(50, 1, 1), 50);
+});
+
+test('Readings', () => {
+  assert.equal(si(2e-5, 's'), '20\u202fµs');
+  assert.equal(si(-1500, 'mm', 4), '−1500\u202fmm');
+  assert.equal(si(NaN, 'V'), '—');
+  assert.equal(reading(-20, { signal: 'v', unit: 'mm', per_volt: -4 }), '−20\u202fV = 80\u202fmm');
+});
+
+test('Volts upwards, and downwards if the channel is inverted', () => {
+  const view = { x: 0, y: 0, across: 100, up: 80, division: 10 };
+  const channel = { inverted: false, volts_per_division: 20, centre: 10 };
+  const [up, down] = scales(view, { display: 'time', channels: [channel, { ...channel, inverted: true }] });
+  assert.deepEqual([up.zero + 30 * up.gain, down.zero + 30 * down.gain], [30, 50]);
+});
