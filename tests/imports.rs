@@ -26,6 +26,7 @@ const MODULES: [(&str, &[&str]); 9] = [
             "grid",
             "divided_differences",
             "low_discrepancy",
+            "multiply_add",
             "parabola",
             "delay_line",
             "document",
