@@ -93,6 +93,7 @@ pub const PAGES: &[Page] = pages![
     "js/scope.js",
     "js/state.js",
     "js/theme.js",
+    "worker/engine.js",
 ];
 
 #[cfg(test)]
