@@ -251,9 +251,9 @@ impl<'p> LiveRun<'p> {
         Ok(())
     }
 
-    /// Watches outputs from now on. The points are at most `longest` seconds apart. Within steps that are longer they
-    /// are also at most `largest` volts apart, as far as 64 points in a step permit. Points that were not read are
-    /// dropped.
+    /// Watches outputs from now on. The points are at most `longest` seconds apart, and usually at least eight times
+    /// closer if steps are short. Within steps that are longer they are also at most `largest` volts apart, as far as 64
+    /// points in a step permit. Points that were not read are dropped.
     ///
     /// # Errors
     /// If the program has no such output.

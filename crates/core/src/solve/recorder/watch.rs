@@ -10,6 +10,11 @@ use crate::solve::state::Solver;
 
 /// Largest number of points within a step.
 const MAX_POINTS_WITHIN: f64 = 64.0;
+/// Least number of points in the largest permitted time between two points. Of shorter steps, not every one needs a
+/// point: a kernel then takes several at once.
+const POINTS_IN_LONGEST: f64 = 8.0;
+/// The same if changes of the voltages are limited, too.
+const POINTS_IN_LONGEST_CURVE: f64 = 32.0;
 
 /// The voltages of the watched outputs along a run, in order of time.
 ///
@@ -70,7 +75,8 @@ pub(in crate::solve) struct Watch {
 }
 
 impl Watch {
-    /// Watches registers. A step gets points within it so that two points are at most `longest` seconds and `largest`
+    /// Watches registers. The ends of steps are points, unless many steps are shorter than `longest`: then there are
+    /// several points in that time. A longer step gets points within it so that two points are at most `longest` seconds and `largest`
     /// volts apart, but not more than [`MAX_POINTS_WITHIN`] and only if the step itself is longer than `longest`.
     pub(in crate::solve) fn new(registers: Vec<Register>, longest: f64, largest: f64) -> Self {
         let zeros = || vec![0.0; registers.len()];
@@ -99,7 +105,11 @@ impl Watch {
     /// The time by the recorder's clock of the next point, if steps have this length. If there are points within steps,
     /// it is within the next step, which a kernel then takes alone.
     pub(super) fn next_time(&self, step: f64) -> f64 {
-        self.last_time + if self.looks_within(step) { 0.5 * step } else { step }
+        if self.looks_within(step) {
+            return self.last_time + 0.5 * step;
+        }
+        let points = if self.largest.is_finite() { POINTS_IN_LONGEST_CURVE } else { POINTS_IN_LONGEST };
+        self.last_time + f64::max(step, self.longest / points)
     }
 
     /// Adds a point at a time of the recorder's clock.
