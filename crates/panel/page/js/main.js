@@ -94,6 +94,7 @@ async function start() {
     emit('link', { connected: false, message: fault.message });
     return;
   }
+  send({ command: 'hello' });
   sendViews();
   await begin();
 }
