@@ -43,7 +43,11 @@ fn command(mut object: Map<String, Value>) -> Result<Command, String> {
     let tagged = Value::Object(Map::from_iter([(name.clone(), Value::Object(object))]));
     let outcome = serde_json::from_value(tagged);
     // A command without fields is a word.
-    let outcome = if has_fields { outcome } else { outcome.or_else(|_| serde_json::from_value(Value::String(name.clone()))) };
+    let outcome = if has_fields {
+        outcome
+    } else {
+        outcome.or_else(|_| serde_json::from_value(Value::String(name.clone())))
+    };
     outcome.map_err(|error| format!("command \"{name}\": {error}"))
 }
 

@@ -24,7 +24,9 @@ pub(crate) struct Compiled {
 /// inputs are grounded. Equations that the wiring does not solve are reported without corrections, which [`advise`] finds.
 pub(crate) fn compile(patch: &Patch) -> (Report, Option<Compiled>) {
     match compile_as_it_is(patch) {
-        Ok((warnings, compiled)) => (with_equations(warnings, patch, &compiled, |_, _| Vec::new()), Some(compiled)),
+        Ok((warnings, compiled)) => {
+            (with_equations(warnings, patch, &compiled, |_, _| Vec::new()), Some(compiled))
+        }
         Err(report) => {
             let grounded = patch.with_grounded_inputs();
             let compiled = grounded.and_then(|patch| compile_as_it_is(&patch).ok());

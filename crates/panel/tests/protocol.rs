@@ -50,7 +50,8 @@ fn the_page_has_every_event() {
 fn the_page_has_the_layout_of_a_frame() {
     let source = text("crates/panel/src/frame.rs");
     let layout = source.lines().skip_while(|line| *line != "//! ```text").skip(1);
-    let layout = layout.take_while(|line| *line != "//! ```").map(|line| line.trim_start_matches("//!").trim());
+    let layout =
+        layout.take_while(|line| *line != "//! ```").map(|line| line.trim_start_matches("//!").trim());
     let page = text("docs/panel-protocol.md");
     for line in layout {
         assert!(page.contains(line), "{line}");

@@ -138,7 +138,13 @@ fn a_cord_that_is_pulled_out_is_a_finding_and_the_machine_runs_on_with_0_v() {
     assert!((frame.header.time - time - 0.5).abs() < 2e-3);
     assert_eq!(client.volts(&frame, "A1"), velocity);
     let events = client.send(json!({"command": "undo"}));
-    assert!(event(&events, "findings")["findings"].as_array().unwrap().iter().all(|one| one["severity"] != "error"));
+    assert!(
+        event(&events, "findings")["findings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|one| one["severity"] != "error")
+    );
     let frame = client.advance(0.2);
     assert!(client.volts(&frame, "A1") != velocity && frame.header.time > time + 0.6);
 }
@@ -195,7 +201,8 @@ fn the_run_of_a_session_is_that_of_the_command() {
     let mut client = Client::with(file);
     let events = client.send(json!({"command": "run"}));
     let circuit = Circuit::new(&Patch::parse("p.json", &text(file)).unwrap()).unwrap();
-    let trace = patchcord_core::solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap());
+    let trace =
+        patchcord_core::solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap());
     let mut expected = Vec::new();
     trace.unwrap().write_csv(&mut expected).unwrap();
     assert_eq!(event(&events, "table")["csv"].as_str().unwrap().as_bytes(), expected);
@@ -221,7 +228,9 @@ fn a_session_continues_from_its_snapshot() {
 fn wrong_requests_are_refused_and_change_nothing() {
     let mut client = Client::with("lessons/mass-and-spring.json");
     let before = client.patch();
-    for wrong in ["", "{}", "[1]", r#"{"id": 1, "commands": [{"command": "fly"}]}"#, r#"{"id": 1, "commands": 3}"#] {
+    for wrong in
+        ["", "{}", "[1]", r#"{"id": 1, "commands": [{"command": "fly"}]}"#, r#"{"id": 1, "commands": 3}"#]
+    {
         let answer = client.0.request(wrong, &mut || false);
         assert!(answer.text.contains("refused") && answer.frame.is_none(), "{wrong}: {}", answer.text);
     }

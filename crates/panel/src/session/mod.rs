@@ -147,7 +147,9 @@ impl Session {
         for command in &request.commands {
             match self.carry_out(command, must_stop, &mut events) {
                 Ok(()) => {}
-                Err(Refusal { message, place }) => events.push(Event::Refused { message, place }),
+                Err(Refusal { message, place }) => {
+                    events.push(Event::Refused { message, place: place.map(|place| *place) });
+                }
             }
             if matches!(command, Command::Advance { .. }) {
                 frame = Some(self.frame());
@@ -177,7 +179,8 @@ impl Session {
                 self.open(Document::open(name, text, &self.folder())?, events);
             }
             Command::New { machine } => {
-                let machine = machine.as_deref().or(self.document.patch().machine.as_ref().map(|name| &*name.value));
+                let machine =
+                    machine.as_deref().or(self.document.patch().machine.as_ref().map(|name| &*name.value));
                 let document = Document::empty(machine);
                 self.open(document, events);
             }
@@ -250,7 +253,9 @@ impl Session {
             }
             Command::StaticCheck { seed } => {
                 let compiled = self.compiled.as_ref().ok_or_else(faulty)?;
-                events.push(view::static_check_event(&compiled.circuit, &compiled.program, *seed).map_err(refusal)?);
+                events.push(
+                    view::static_check_event(&compiled.circuit, &compiled.program, *seed).map_err(refusal)?,
+                );
             }
             edit => {
                 let before = self.value_to_restore(edit);
@@ -288,7 +293,8 @@ impl Session {
     fn open(&mut self, document: Document, events: &mut Vec<Event>) {
         self.document = document;
         (self.meter, self.null_meter) = (None, None);
-        self.bench.controls = bench::Controls { speed: self.bench.controls.speed, ..bench::Controls::default() };
+        self.bench.controls =
+            bench::Controls { speed: self.bench.controls.speed, ..bench::Controls::default() };
         self.use_patch(true);
         self.connect_usual_probes();
         events.extend(self.patch_events());
@@ -459,7 +465,8 @@ impl Session {
         let compiled = compile(self.document.patch()).1;
         let compiled = compiled.ok_or_else(faulty)?;
         let settings = RunSettings::of(&compiled.circuit).map_err(|error| refusal(error.to_string()))?;
-        let trace = run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
+        let trace =
+            run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
         let mut csv = Vec::new();
         trace.write_csv(&mut csv).map_err(|error| refusal(error.to_string()))?;
         let overloads = trace.overloads().map(|overload| overload.element.clone()).collect();
@@ -487,7 +494,8 @@ impl Session {
     /// # Errors
     /// If the snapshot is not one of this version.
     fn restore(&mut self, snapshot: &Value, events: &mut Vec<Event>) -> Result<(), Refusal> {
-        let unreadable = |error: serde_json::Error| refusal(format!("the saved session cannot be read: {error}"));
+        let unreadable =
+            |error: serde_json::Error| refusal(format!("the saved session cannot be read: {error}"));
         if snapshot["protocol"] != PROTOCOL_VERSION {
             return Err(refusal("the saved session is of another version of the panel".to_owned()));
         }
@@ -555,12 +563,13 @@ impl Session {
         let outputs = &self.probes.0;
         let is_lit = |element: &str| overloads.iter().any(|overload| overload.element == element);
         let lamps: Vec<bool> = outputs.iter().map(|output| is_lit(&output.element)).collect();
-        let first_lamp = overloads.first().and_then(|overload| {
-            outputs.iter().position(|output| output.element == overload.element)
-        });
+        let first_lamp = overloads
+            .first()
+            .and_then(|overload| outputs.iter().position(|output| output.element == overload.element));
         let at = |name: &str| outputs.iter().position(|output| output.name == name).map(|index| volts[index]);
         let null = |(name, divider): &(String, f64)| Some(at(name)? - POT_SET_VOLTS * divider);
-        let (meter, null_meter) = (self.meter.as_deref().and_then(at), self.null_meter.as_ref().and_then(null));
+        let (meter, null_meter) =
+            (self.meter.as_deref().and_then(at), self.null_meter.as_ref().and_then(null));
         let header = FrameHeader {
             revision: self.document.revision() as u32,
             time: self.bench.clock(),

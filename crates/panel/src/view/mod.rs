@@ -22,8 +22,8 @@ use crate::event::{
 use crate::wiring;
 pub use equations::equations;
 pub use probes::usual_scopes;
-pub use static_check::static_check_event;
 use settings::SettingViewer;
+pub use static_check::static_check_event;
 
 /// The first event of a session.
 pub fn hello() -> Event {
