@@ -19,19 +19,28 @@ export const looseCords = (page) => board(page).getByRole('button', { name: /^Lo
 export const boardStatus = (page) => board(page).getByRole('status');
 export const cordLine = (page) => board(page).getByLabel(/^Cord: output and input/);
 
-/** The middle of a jack on the page. */
+/** The middle of a jack on the page, as it is now. */
 export async function middleOf(jack) {
-  const hole = jack.locator('.hole');
-  await hole.scrollIntoViewIfNeeded();
-  const { x, y, width, height } = await hole.boundingBox();
+  const { x, y, width, height } = await jack.locator('.hole').boundingBox();
   return [x + width / 2, y + height / 2];
 }
 
-/** Drags from a jack to a place. A page that scrolls in between would move the place. */
+/** Clicks the jacks in turn. */
+export async function clickJacks(page, ...jacks) {
+  for (const jack of jacks) {
+    await jack.scrollIntoViewIfNeeded();
+    await page.mouse.click(...await middleOf(jack));
+  }
+}
+
+/** Drags from a jack to another one, or by so many pixels. Both must be in the window, because scrolling moves them. */
 export async function drag(page, from, to) {
-  await page.mouse.move(...from);
+  await from.scrollIntoViewIfNeeded();
+  const [x, y] = await middleOf(from);
+  const end = Array.isArray(to) ? [x + to[0], y + to[1]] : await middleOf(to);
+  await page.mouse.move(x, y);
   await page.mouse.down();
-  await page.mouse.move(...to, { steps: 8 });
+  await page.mouse.move(...end, { steps: 8 });
   await page.mouse.up();
 }
 
