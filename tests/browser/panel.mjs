@@ -14,7 +14,7 @@ export const FORM = process.env.PANEL_FORM ?? 'server';
 /** A folder with page files that replace those of the host, to try page code without a build. */
 const PAGE_FILES = process.env.PANEL_PAGE;
 /** Milliseconds after which a condition counts as not reached. It is no statement about speed. */
-const PATIENCE = 10_000;
+const PATIENCE = 60_000;
 /** Milliseconds between two looks at a condition. */
 const POLL = 25;
 
@@ -65,7 +65,7 @@ export async function openPanel(t, { patch = MASS_AND_SPRING, width = 1280, heig
   if (PAGE_FILES) await replaceFiles(context);
   const page = await context.newPage();
   const faults = [];
-  page.on('pageerror', ({ message }) => faults.push(message));
+  page.on('pageerror', ({ stack, message }) => faults.push(stack ?? message));
   page.on('console', (message) => { if (message.type() === 'error') faults.push(message.text()); });
   t.after(async () => {
     await context.close();
