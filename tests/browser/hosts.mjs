@@ -24,7 +24,7 @@ export const TYPES = {
 export function findChromium() {
   const names = ['chromium', 'chromium-browser'];
   const paths = process.env.PATH.split(delimiter).flatMap((folder) => names.map((name) => join(folder, name)));
-  return process.env.CHROMIUM ?? paths.find((path) => existsSync(path)) ?? null;
+  return process.env.CHROMIUM || paths.find((path) => existsSync(path)) || null;
 }
 
 /** Starts `patchcord panel` with a patch. The address has the token. */

@@ -94,7 +94,6 @@ async function start() {
     emit('link', { connected: false, message: fault.message });
     return;
   }
-  send({ command: 'hello' });
   sendViews();
   await begin();
 }
