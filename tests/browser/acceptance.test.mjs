@@ -84,7 +84,7 @@ test('a cord is pulled while the machine runs: error at the jack, undo, and the 
   await pull(page, 'B1', 'P1.in');
   const jack = inputJack(page, 'P1.in');
   await until('the error is at the jack', async () => /Error: /.test(await jack.getAttribute('aria-label')));
-  await jack.locator('.finding-mark').waitFor();
+  await jack.locator('.mark.error').waitFor();
   await page.getByRole('region', { name: 'Checks' }).getByText(/P1/).first().waitFor();
   await undoButton(page).click();
   await cordIs(page, 'B1', 'P1.in', true);
@@ -159,8 +159,10 @@ test('an oscillator is patched in an empty panel by keys only', async (t) => {
 
 test('the time from the start of the page to the first trace is reported', async (t) => {
   const page = await openPanel(t);
+  const { title } = (await stateOf(page)).patch;
+  await until('the session is stored', () => page.evaluate(() => sessionStorage.getItem('patchcord.session') !== null));
   await page.reload();
-  await ready(page);
+  await ready(page, title);
   await modeButton(page, 'Operate').click();
   await until('the trace', async () => (await stateOf(page)).frame?.time > 0);
   t.diagnostic(`${FORM}: first frame with a moving trace ${(await page.evaluate(() => performance.now())).toFixed(0)} ms after the page began to load`);
