@@ -167,8 +167,10 @@ impl Watch {
     ) {
         run.evaluate_present(tables);
         let begin = self.last_time - hold_time;
-        let ends = self.last.iter().copied().zip(run.voltages().skip(recorded));
-        let parts = if self.looks_within(step) { self.parts(time - begin, ends) } else { 1 };
+        let parts = match self.looks_within(step) {
+            true => self.parts(time - begin, self.last.iter().copied().zip(run.voltages().skip(recorded))),
+            false => 1,
+        };
         if parts > 1 {
             for part in 1..parts {
                 let time = between(begin, time, part, parts);
