@@ -163,19 +163,24 @@ impl Watch {
         self.add_present(solver, hold_time);
     }
 
-    /// Adds the points of a kernel's last step, which ends at this problem time: those within it, and its end. The
-    /// watched voltages follow the `recorded` ones.
+    /// Adds the points of a kernel's last step, which ends at this problem time: those within it, and its end. `step`
+    /// is the length of the grid. It decides whether there are points within, as in [`next_time`](Self::next_time):
+    /// the kernel keeps the begin of a step only then, and a difference of times can be longer by rounding. The watched
+    /// voltages follow the `recorded` ones.
     pub(super) fn add_kernel_step(
         &mut self,
         (time, hold_time): (f64, f64),
+        step: f64,
         tables: &[Vec<[f64; 2]>],
         run: &mut KernelRun,
         recorded: usize,
     ) {
         run.evaluate_present(tables);
         let begin = self.last_time - hold_time;
-        let ends = self.last.iter().copied().zip(run.voltages().skip(recorded));
-        let parts = self.parts(time - begin, ends);
+        let parts = match self.looks_within(step) {
+            true => self.parts(time - begin, self.last.iter().copied().zip(run.voltages().skip(recorded))),
+            false => 1,
+        };
         if parts > 1 {
             for part in 1..parts {
                 let time = between(begin, time, part, parts);
