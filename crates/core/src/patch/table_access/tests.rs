@@ -32,7 +32,8 @@ fn text(file: &str) -> String {
 
 /// What the checker reports about a patch; empty if it has no errors.
 fn faults(patch: &Patch) -> String {
-    Circuit::new(patch).err().map(|report| report.to_string()).unwrap_or_default()
+    let findings = Circuit::new(patch).err().map(|report| report.findings).unwrap_or_default();
+    findings.iter().map(|finding| format!("{}: {}\n", finding.message, finding.advice())).collect()
 }
 
 /// What the checker reports about a table that is read below a folder.
@@ -117,7 +118,7 @@ fn edited_patches_keep_their_access() {
     let edited = [typed, removed, put].map(|editor| editor.finish(&name).unwrap());
     let with_edits = patch.with_edits(&name, &[crate::patch::Edit::new("run/for", 2)]).unwrap();
     let open = Patch::parse_with(access.clone(), &name, &text("secret.csv").replace("\"u\"]", "]")).unwrap();
-    for patch in edited.into_iter().chain([with_edits]).chain(open.with_grounded_inputs()) {
+    for patch in edited.into_iter().chain([with_edits]).chain([open.with_grounded_inputs().unwrap()]) {
         assert_eq!(patch.table_access(), &access);
         assert!(faults(&patch).contains("there is no file"));
     }
