@@ -1,3 +1,5 @@
 //! Integration tests of the panel's session.
 
+mod limits;
+mod random_commands;
 mod session;
