@@ -297,22 +297,22 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 6, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_mass_on_a_spring_takes_any_commands(commands in commands()) {
-        check_commands("lessons/mass-and-spring.json", &commands);
+    fn a_mass_on_a_spring_takes_any_commands(sequence in commands()) {
+        check_commands("lessons/mass-and-spring.json", &sequence);
     }
 
     #[test]
-    fn a_ball_in_a_box_takes_any_commands(commands in commands()) {
-        check_commands("lessons/bouncing-ball.json", &commands);
+    fn a_ball_in_a_box_takes_any_commands(sequence in commands()) {
+        check_commands("lessons/bouncing-ball.json", &sequence);
     }
 
     #[test]
-    fn a_circuit_with_macros_takes_any_commands(commands in commands()) {
-        check_commands("thesis/fig-4-07.json", &commands);
+    fn a_circuit_with_macros_takes_any_commands(sequence in commands()) {
+        check_commands("thesis/fig-4-07.json", &sequence);
     }
 
     #[test]
-    fn a_friction_circuit_takes_any_commands(commands in commands()) {
-        check_commands("thesis/fig-8-16.json", &commands);
+    fn a_friction_circuit_takes_any_commands(sequence in commands()) {
+        check_commands("thesis/fig-8-16.json", &sequence);
     }
 }
