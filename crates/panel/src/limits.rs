@@ -59,10 +59,11 @@ pub(crate) fn check_patch(patch: &Patch) -> Result<(), String> {
     let elements = entries().count() + ports.sum::<usize>();
     check_count(elements, MAX_ELEMENTS, "elements and outputs of instances")?;
     check_count(entries().map(|entry| entry.plugs.len()).sum(), MAX_CORDS, "cords")?;
-    let points = entries().flat_map(|entry| entry.settings.iter().flatten()).map(|setting| match &setting.value {
-        Amount::Points(points) => points.len(),
-        _ => 0,
-    });
+    let points =
+        entries().flat_map(|entry| entry.settings.iter().flatten()).map(|setting| match &setting.value {
+            Amount::Points(points) => points.len(),
+            _ => 0,
+        });
     check_count(points.sum(), MAX_POINTS, "points in tables")
 }
 
@@ -96,5 +97,7 @@ pub(crate) fn check_run(settings: &RunSettings) -> Result<(), String> {
 /// The message about a table that is too large.
 pub(crate) fn table_too_large() -> String {
     let limit = MAX_TABLE_BYTES / 1_000_000;
-    format!("the table of the run would have more than {limit} MB: record fewer signals, or use patchcord run")
+    format!(
+        "the table of the run would have more than {limit} MB: record fewer signals, or use patchcord run"
+    )
 }

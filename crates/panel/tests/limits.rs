@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use patchcord_panel::frame::{Frame, decode};
-use patchcord_panel::limits::{MAX_COMMANDS, MAX_ELEMENTS, MAX_LOOSE_CORDS, MAX_PATCH_BYTES, MAX_REQUEST_BYTES};
+use patchcord_panel::limits::{
+    MAX_COMMANDS, MAX_ELEMENTS, MAX_LOOSE_CORDS, MAX_PATCH_BYTES, MAX_REQUEST_BYTES,
+};
 use patchcord_panel::{Session, SessionOptions};
 use serde_json::{Value, json};
 
@@ -139,9 +141,8 @@ fn patches_above_the_limits_are_refused() {
     let long = format!("{{\"patchcord\": 1, \"note\": \"{}\"}}", "x".repeat(MAX_PATCH_BYTES));
     let message = refusal(&mut session, open(long));
     assert!(message.starts_with("the patch would have more than 1 MB"), "{message}");
-    let pots = (0..=MAX_ELEMENTS).map(|index| {
-        (format!("P{index}"), json!({"kind": "pot", "in": "+100", "setting": 0.5}))
-    });
+    let pots = (0..=MAX_ELEMENTS)
+        .map(|index| (format!("P{index}"), json!({"kind": "pot", "in": "+100", "setting": 0.5})));
     let elements: serde_json::Map<String, Value> = pots.collect();
     let message = refusal(&mut session, open(json!({"patchcord": 1, "elements": elements}).to_string()));
     assert!(message.starts_with("the patch has 2001 elements"), "{message}");
@@ -273,9 +274,8 @@ fn going_back_too_far_is_refused_and_the_machine_can_still_go_back() {
 
 #[test]
 fn delays_that_need_too_much_memory_stop_the_machine() {
-    let delays = (0..100).map(|index| {
-        (format!("D{index}"), json!({"kind": "delay", "in": "+100", "delay": 1000}))
-    });
+    let delays =
+        (0..100).map(|index| (format!("D{index}"), json!({"kind": "delay", "in": "+100", "delay": 1000})));
     let elements: serde_json::Map<String, Value> = delays.collect();
     let patch = json!({"patchcord": 1, "elements": elements, "run": {"for": 100, "step": 0.001}});
     let mut session = opened(&patch.to_string());

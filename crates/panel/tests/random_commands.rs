@@ -14,14 +14,23 @@ const OPERATE: u8 = 3;
 const COMMANDS: u8 = 27;
 /// The texts of numbers, also of those that no f64 can represent.
 const NUMBERS: [&str; 16] = [
-    "0", "1", "-1", "0.5", "0.02", "3", "10", "50", "1e-9", "1e9", "1e300", "-1e300", "1e999", "-1e999", "5e-324",
-    "-0.0",
+    "0", "1", "-1", "0.5", "0.02", "3", "10", "50", "1e-9", "1e9", "1e300", "-1e300", "1e999", "-1e999",
+    "5e-324", "-0.0",
 ];
 /// Names that a patch usually does not have.
-const JUNK: [&str; 8] = ["", "A99", "a \"quoted\" name", "\u{e9}\u{1d6fc}", "a.b.c", "\n\u{0}", "+100", "../../etc"];
+const JUNK: [&str; 8] =
+    ["", "A99", "a \"quoted\" name", "\u{e9}\u{1d6fc}", "a.b.c", "\n\u{0}", "+100", "../../etc"];
 /// The modes.
 const MODES: [&str; 8] =
     ["pot-set", "problem-check", "initial-condition", "operate", "hold", "repetitive", "single", "fly"];
+/// Commands without names and values.
+const QUESTIONS: [&str; 5] = [
+    "\"clear-cords\"",
+    "\"hello\"",
+    "\"advise\"",
+    "\"static-check\", \"seed\": 1",
+    "\"static-check\", \"seed\": null",
+];
 /// Kinds of elements.
 const KINDS: [&str; 6] = ["integrator", "pot", "sine", "delay", "relay", "no-such-kind"];
 
@@ -82,7 +91,9 @@ impl Choices<'_> {
     /// The value of a setting; as JSON.
     fn value(&mut self) -> String {
         match self.below(4) {
-            0 => self.one(&["null", "true", "\"k *\"", "[[0, 0], [1, 1]]", "[[1, 0], [0, 1e999]]", "{}"]).to_owned(),
+            0 => self
+                .one(&["null", "true", "\"k *\"", "[[0, 0], [1, 1]]", "[[1, 0], [0, 1e999]]", "{}"])
+                .to_owned(),
             _ => self.number().to_owned(),
         }
     }
@@ -107,7 +118,9 @@ fn command(kind: u8, numbers: &[u16], names: &Names) -> String {
         5 => format!(r#""scrub", "time": {}"#, pick.number()),
         6..=8 => format!(r#""advance", "seconds": {}"#, pick.number()),
         9 => format!(r#""parameter", "name": {}, "value": {}"#, pick.name(&names.parameters), pick.number()),
-        10 | 11 => format!(r#""setting", "element": {element}, "setting": {setting}, "value": {}"#, pick.value()),
+        10 | 11 => {
+            format!(r#""setting", "element": {element}, "setting": {setting}, "value": {}"#, pick.value())
+        }
         12 => format!(r#""time-scale", "value": {}"#, pick.number()),
         13 => format!(r#""plug", {cord}"#),
         14 => format!(r#""unplug", {cord}"#),
@@ -115,7 +128,7 @@ fn command(kind: u8, numbers: &[u16], names: &Names) -> String {
         16 => format!(r#""loose-cord", "end": {}, "at": [{}, 0]"#, pick.end(names), pick.number()),
         17 => format!(r#""plug-loose", "id": {}, "to": {}"#, pick.below(3), pick.end(names)),
         18 => format!(r#""remove-loose", "id": {}"#, pick.below(3)),
-        19 => pick.one(&["\"clear-cords\"", "\"text\"", "\"hello\""]).to_owned(),
+        19 => pick.one(&QUESTIONS).to_owned(),
         20 => format!(r#""add-element", "kind": "{}", "name": null"#, pick.one(&KINDS)),
         21 => format!(r#""remove-element", "name": {element}"#),
         22 => pick.one(&["\"undo\"", "\"redo\""]).to_owned(),
@@ -176,7 +189,8 @@ impl Panel {
         let response: Value = serde_json::from_str(&answer.text).unwrap();
         check_numbers(&response, request);
         assert_eq!(response["frame"], answer.frame.is_some(), "{request}");
-        let frame = answer.frame.map(|bytes| decode(&bytes).unwrap_or_else(|error| panic!("{request}: {error}")));
+        let frame =
+            answer.frame.map(|bytes| decode(&bytes).unwrap_or_else(|error| panic!("{request}: {error}")));
         (response["events"].as_array().unwrap().clone(), frame)
     }
 
@@ -232,7 +246,11 @@ impl Panel {
         let revision = find(&events, "patch").unwrap()["revision"].as_u64();
         let outputs = find(&events, "patch").unwrap()["outputs"].as_array().unwrap().len();
         let frame = self.frame();
-        assert_eq!((Some(u64::from(frame.header.revision)), frame.volts.len()), (revision, outputs), "{sent}");
+        assert_eq!(
+            (Some(u64::from(frame.header.revision)), frame.volts.len()),
+            (revision, outputs),
+            "{sent}"
+        );
     }
 
     /// Replaces the session by one from its snapshot, which has the same text.

@@ -410,7 +410,9 @@ impl Patch {
     ///
     /// `None` if the patch was not edited since it was read: the positions are then valid.
     pub(crate) fn reread(&self) -> Option<Result<Patch, Box<Report>>> {
-        self.edited_text.is_edited().then(|| Patch::parse_with(self.table_access.clone(), &self.file, self.text()))
+        self.edited_text
+            .is_edited()
+            .then(|| Patch::parse_with(self.table_access.clone(), &self.file, self.text()))
     }
 }
 

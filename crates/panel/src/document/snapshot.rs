@@ -125,7 +125,10 @@ fn state(saved: SavedState, texts: &[Arc<str>]) -> Result<State, Refusal> {
     let ids: HashSet<u64> = saved.loose.iter().map(|cord| cord.id).collect();
     let is_valid =
         |cord: &Loose| cord.id <= MAX_LOOSE_ID && cord.at.iter().all(|coordinate| coordinate.is_finite());
-    if saved.loose.len() > MAX_LOOSE_CORDS || ids.len() < saved.loose.len() || !saved.loose.iter().all(is_valid) {
+    if saved.loose.len() > MAX_LOOSE_CORDS
+        || ids.len() < saved.loose.len()
+        || !saved.loose.iter().all(is_valid)
+    {
         return Err(broken("its loose cords are not valid"));
     }
     Ok(State { text: Arc::clone(text), loose: saved.loose })

@@ -270,7 +270,8 @@ fn a_snapshot_keeps_the_patch_the_loose_cords_and_the_history() {
     document.record_mode(Mode::Hold, Mode::Operate);
     document.apply(&add("pot")).unwrap();
     document.undo().unwrap();
-    let mut restored = Document::restore(&document.snapshot(), &TableAccess::Below("../../patches/lessons".into())).unwrap();
+    let mut restored =
+        Document::restore(&document.snapshot(), &TableAccess::Below("../../patches/lessons".into())).unwrap();
     assert_eq!((restored.state(), restored.patch().file()), (document.state(), document.patch().file()));
     assert_eq!((restored.undo_label(), restored.redo_label()), (Some("change to operate"), Some("add P4")));
     assert_eq!(restored.snapshot(), document.snapshot());

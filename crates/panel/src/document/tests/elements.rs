@@ -85,5 +85,8 @@ fn an_oscillator_is_built_from_an_empty_patch() {
     for _ in &commands {
         document.undo().unwrap();
     }
-    assert_eq!(document.patch().text(), Document::empty(Some("solartron-1451"), &TableAccess::None).patch().text());
+    assert_eq!(
+        document.patch().text(),
+        Document::empty(Some("solartron-1451"), &TableAccess::None).patch().text()
+    );
 }
