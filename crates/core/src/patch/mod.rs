@@ -1,8 +1,8 @@
 //! The patch: a document with elements and cords, decoded into fields.
 //!
 //! `file` reads the text and `decode` fills the fields of a [`Patch`] from its JSON tree. `table_file` adds points from
-//! CSV files, as far as `table_access` permits. `macros` replaces instances of macros by their elements. Every fault becomes a diagnostic with a
-//! position, and decoding continues, so that a user sees all faults at once.
+//! CSV files, as far as `table_access` permits. `macros` replaces instances of macros by their elements. Every fault
+//! becomes a diagnostic with a position, and decoding continues, so that a user sees all faults at once.
 //!
 //! [`PatchBuilder`] makes a patch in Rust. [`PatchEditor`] changes the fields of a patch and its document together;
 //! `render` then writes the edits into the text, which otherwise stays as it is. `prune` and `cut` remove parts.

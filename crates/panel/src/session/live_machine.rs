@@ -78,7 +78,12 @@ impl Live<'_> {
         if since < self.interval && !is_needed {
             return Ok(());
         }
-        self.checkpoints.push(self.run.checkpoint()?);
+        let checkpoint = self.run.checkpoint()?;
+        // A change at the same instant replaces the one before.
+        if since == 0.0 {
+            self.checkpoints.pop();
+        }
+        self.checkpoints.push(checkpoint);
         while self.has_too_many_checkpoints() {
             let mut index = 0;
             self.checkpoints.retain(|_| {
