@@ -85,8 +85,8 @@ const MODULES: [(&str, &[&str]); 10] = [
     (
         "panel",
         &[
-            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places", "document",
-            "view", "session",
+            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places",
+            "document", "view", "session",
         ],
     ),
     (
