@@ -10,6 +10,7 @@ mod compiled;
 pub mod document;
 pub mod event;
 pub mod frame;
+pub mod limits;
 pub mod pages;
 pub mod places;
 pub mod scope;

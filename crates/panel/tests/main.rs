@@ -1,3 +1,6 @@
 //! Integration tests of the panel's session.
 
+mod limits;
+mod protocol;
+mod random_commands;
 mod session;

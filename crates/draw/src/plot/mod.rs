@@ -10,6 +10,7 @@ mod axis;
 mod band;
 mod callout;
 mod clip;
+mod colour;
 mod density;
 mod draw;
 mod drawing;

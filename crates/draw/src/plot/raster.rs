@@ -5,11 +5,11 @@
 //! image.
 
 use ab_glyph::OutlineCurve;
-use plotters::style::RGBColor;
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform,
 };
 
+use super::colour::Colour;
 use super::layout::Frame;
 use super::surface::{Surface, TextStyle, drawing_error};
 use super::{Picture, PlotError, Size, draw, font::Font};
@@ -107,12 +107,12 @@ impl RasterSurface<'_> {
 }
 
 /// Returns an opaque paint of a colour.
-fn ink(colour: RGBColor) -> Paint<'static> {
+fn ink(colour: Colour) -> Paint<'static> {
     translucent_ink(colour, 1.0)
 }
 
 /// Returns a paint of a colour with an opacity from 0 to 1.
-fn translucent_ink(colour: RGBColor, opacity: f64) -> Paint<'static> {
+fn translucent_ink(colour: Colour, opacity: f64) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color_rgba8(colour.0, colour.1, colour.2, (opacity * f64::from(u8::MAX)).round() as u8);
     paint
@@ -154,7 +154,7 @@ fn glyph_path(curves: &[OutlineCurve]) -> Option<Path> {
 }
 
 impl Surface for RasterSurface<'_> {
-    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Result<(), PlotError> {
+    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: Colour) -> Result<(), PlotError> {
         let rectangle = Rect::from_ltrb(from.0 as f32, from.1 as f32, to.0 as f32, to.1 as f32);
         self.fill(rectangle.map(PathBuilder::from_rect), &ink(colour));
         Ok(())
@@ -164,7 +164,7 @@ impl Surface for RasterSurface<'_> {
         &mut self,
         points: &[(f64, f64)],
         width: f64,
-        colour: RGBColor,
+        colour: Colour,
         opacity: f64,
     ) -> Result<(), PlotError> {
         let (Some(first), paint) = (points.first(), translucent_ink(colour, opacity)) else { return Ok(()) };
@@ -176,18 +176,12 @@ impl Surface for RasterSurface<'_> {
         Ok(())
     }
 
-    fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError> {
+    fn area(&mut self, corners: &[(f64, f64)], colour: Colour) -> Result<(), PlotError> {
         self.fill(polyline(corners, true), &ink(colour));
         Ok(())
     }
 
-    fn ring(
-        &mut self,
-        centre: (f64, f64),
-        radius: f64,
-        width: f64,
-        colour: RGBColor,
-    ) -> Result<(), PlotError> {
+    fn ring(&mut self, centre: (f64, f64), radius: f64, width: f64, colour: Colour) -> Result<(), PlotError> {
         let circle = PathBuilder::from_circle(centre.0 as f32, centre.1 as f32, radius as f32);
         self.stroke(circle, width, &ink(colour));
         Ok(())
@@ -206,7 +200,7 @@ mod tests {
     use super::*;
     use crate::plot::Align;
 
-    const BLACK: RGBColor = RGBColor(0, 0, 0);
+    const BLACK: Colour = Colour(0, 0, 0);
 
     /// Returns the red channel of an image that is 8 pixels wide and 4 pixels high.
     fn painted(paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>) -> Vec<u8> {

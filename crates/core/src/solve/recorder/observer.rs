@@ -68,7 +68,7 @@ impl StepObserver for Recorder<'_> {
     /// Writes the samples within the kernel's last step, and adds its watched points.
     fn kernel_reached_jump(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
         if let Some(watch) = &mut self.watch {
-            watch.add_kernel_step((time, self.hold_time), tables, run, self.signals.len());
+            watch.add_kernel_step((time, self.hold_time), self.step, tables, run, self.signals.len());
         }
         while let Some(sample) = self.next_before(self.clock(time) * (1.0 - SAME_INSTANT)) {
             run.interpolate(tables, sample - self.hold_time);

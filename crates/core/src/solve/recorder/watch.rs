@@ -15,6 +15,11 @@ use crate::trace::SignalCurve;
 
 /// Largest number of points within a step.
 const MAX_POINTS_WITHIN: f64 = 64.0;
+/// Least number of points in the largest permitted time between two points. Of shorter steps, not every one needs a
+/// point: a kernel then takes several at once.
+const POINTS_IN_LONGEST: f64 = 8.0;
+/// The same if changes of the voltages are limited, too.
+const POINTS_IN_LONGEST_CURVE: f64 = 32.0;
 
 /// The voltages of the watched outputs along a run, in order of time.
 ///
@@ -77,8 +82,10 @@ pub(in crate::solve) struct Watch {
 }
 
 impl Watch {
-    /// Watches registers. A step gets points within it so that two points are at most `longest` seconds and `largest`
-    /// volts apart, but not more than [`MAX_POINTS_WITHIN`] and only if the step itself is longer than `longest`.
+    /// Watches registers. The ends of steps are points, unless many steps are shorter than `longest`: then there are
+    /// several points in that time. A longer step gets points within it so that two points are at most `longest` seconds
+    /// and `largest` volts apart, but not more than [`MAX_POINTS_WITHIN`] and only if the step itself is longer than
+    /// `longest`.
     pub(in crate::solve) fn new(registers: Vec<Register>, longest: f64, largest: f64) -> Self {
         let zeros = || vec![0.0; registers.len()];
         let points = WatchedPoints { width: registers.len(), numbers: Vec::new() };
@@ -146,11 +153,14 @@ impl Watch {
     /// next step, which a kernel then takes alone.
     pub(super) fn next_point(&self, step: f64, hold_time: f64) -> f64 {
         let last = self.last_time - hold_time;
-        match &self.follower {
-            _ if self.looks_within(step) => last + 0.5 * step,
-            Some(follower) => follower.next_point(last),
-            None => last + step,
+        if self.looks_within(step) {
+            return last + 0.5 * step;
         }
+        if let Some(follower) = &self.follower {
+            return follower.next_point(last);
+        }
+        let points = if self.largest.is_finite() { POINTS_IN_LONGEST_CURVE } else { POINTS_IN_LONGEST };
+        last + f64::max(step, self.longest / points)
     }
 
     /// The number of steps, from the first of these, up to the next point of curves. A kernel stores the voltages of all
@@ -232,10 +242,13 @@ impl Watch {
     }
 
     /// Adds the points that are due in a kernel's last step, which ends at this problem time: those within it, and its
-    /// end. The watched voltages follow the `recorded` ones.
+    /// end. `step` is the length of the grid. It decides whether there are points within, as in
+    /// [`next_point`](Self::next_point): the kernel keeps the begin of a step only then, and a difference of times can be
+    /// longer by rounding. The watched voltages follow the `recorded` ones.
     pub(super) fn add_kernel_step(
         &mut self,
         (time, hold_time): (f64, f64),
+        step: f64,
         tables: &[Vec<[f64; 2]>],
         run: &mut KernelRun,
         recorded: usize,
@@ -245,10 +258,10 @@ impl Watch {
         }
         run.evaluate_present(tables);
         let begin = self.last_time - hold_time;
-        let ends = self.last.iter().copied().zip(run.voltages().skip(recorded));
-        let is_alone = self.follower.as_ref().is_none_or(CurveFollower::is_within_step);
-        // If the last point is not at the beginning of the step, the kernel cannot interpolate from there.
-        let parts = if is_alone { self.parts(time - begin, ends) } else { 1 };
+        let parts = match self.looks_within(step) {
+            true => self.parts(time - begin, self.last.iter().copied().zip(run.voltages().skip(recorded))),
+            false => 1,
+        };
         if parts > 1 {
             for part in 1..parts {
                 let time = between(begin, time, part, parts);
