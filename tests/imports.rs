@@ -84,8 +84,8 @@ const MODULES: [(&str, &[&str]); 9] = [
     (
         "panel",
         &[
-            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places", "document", "view",
-            "session",
+            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches", "places",
+            "document", "view", "session",
         ],
     ),
     (

@@ -1,4 +1,5 @@
 //! Integration tests of the panel's session.
 
+mod pictures;
 mod protocol;
 mod session;
