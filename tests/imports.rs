@@ -87,7 +87,7 @@ const MODULES: [(&str, &[&str]); 10] = [
     (
         "panel",
         &[
-            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places",
+            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches", "places",
             "document", "view", "session",
         ],
     ),

@@ -12,6 +12,7 @@ pub mod event;
 pub mod frame;
 pub mod limits;
 pub mod pages;
+pub mod patches;
 pub mod places;
 pub mod scope;
 mod session;
