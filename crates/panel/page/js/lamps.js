@@ -41,7 +41,7 @@ export function mountLamps(root) {
     if (text === listed) return;
     listed = text;
     const words = overloads.map(({ element, time, caused_by: cause }) => `${element} at ${quantity(time, 's')}${cause ? `, caused by ${cause}` : ''}`);
-    status.textContent = words.length ? `Overload. First: ${words[0]}.` : 'No overload.';
+    status.textContent = words.length ? `Overload. First: ${words[0]}.` : '';
     list.replaceChildren(...words.map((word, index) => el('li', {}, button(word, seek(overloads[index].element)))));
   });
 }

@@ -14,12 +14,13 @@ export function placeName({ element, jack, setting, parameter }) {
   return parameter ? `parameter ${parameter}` : [element, jack ?? setting].filter(Boolean).join(' ');
 }
 
-function findingItem({ severity, message, hint, place }) {
+function findingItem({ code, severity, message, hint, place }) {
   const isError = severity === 'error';
   return el('li', { class: `finding ${isError ? 'error' : 'warning'}` },
     el('p', null, el('strong', null, isError ? 'Error' : 'Warning'), ' ', message),
     hint && el('p', { class: 'hint' }, hint),
-    place && button(`Show ${placeName(place)}`, () => highlight(place), { class: 'small' }));
+    place && button(`Show ${placeName(place)}`, () => highlight(place), { class: 'small' }),
+    code === 'equation-not-solved' && button('Show the equations', () => highlight({ equation: true }), { class: 'small' }));
 }
 
 function count(number, word) {

@@ -16,7 +16,7 @@ const SLACK = 5;
 /** Pixels from a finger to the output that it means. */
 const FINGER = 22;
 /** Pixels at the bottom for the buttons. */
-const TOOLS = 52;
+const TOOLS = 40;
 /** Milliseconds for which a place is ringed. */
 const RINGED = 4000;
 
