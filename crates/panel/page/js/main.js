@@ -130,7 +130,7 @@ mountTitle();
 mountMessages(start);
 mountFiles();
 for (const index of [0, 1]) mountScope(byId(`scope-${index + 1}`), index);
-mountMeters(byId('meters'));
+mountMeters();
 mountKnobs(byId('knobs'));
 mountLamps(byId('lamps'));
 mountSchematic(byId('schematic'));

@@ -3,7 +3,7 @@
 import { button, el } from './dom.js';
 import { emit, isProbing, on, probed, send, state } from './state.js';
 
-/** Where the meters are. The event `meter` says it: it is sent by whoever connects one. */
+/** Where the meters are. The event `meter` connects one: meters.js sends the command. */
 const meters = { meter: null, 'null-meter': null };
 on('meter', ({ meter, output }) => { meters[meter] = output; });
 
@@ -19,14 +19,10 @@ export function probes() {
       controls: { ...controls, channels: controls.channels.map((each, other) => (other === index ? { ...each, output: to } : each)) },
     }),
   })));
-  const meter = (command, name, mark, more) => ({
-    name, mark, look: 'meter', output: meters[command],
-    connect(output) {
-      send({ command, output, ...more });
-      emit('meter', { meter: command, output });
-    },
+  const meter = (command, name, mark) => ({
+    name, mark, look: 'meter', output: meters[command], connect: (output) => emit('meter', { meter: command, output }),
   });
-  return [...channels, meter('meter', 'Voltmeter', 'V'), meter('null-meter', 'Null meter', 'N', { divider: 0 })];
+  return [...channels, meter('meter', 'Voltmeter', 'V'), meter('null-meter', 'Null meter', 'N')];
 }
 
 /** Name and quantity of an output: "A1, v_o". */
