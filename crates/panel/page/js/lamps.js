@@ -14,7 +14,6 @@ export function mountLamps(root) {
   const grid = el('div', { class: 'lamp-grid' });
   const list = el('ol', { class: 'lamp-list' });
   const status = el('p', { class: 'lamp-status', role: 'status' });
-  root.classList.add('lamps');
   root.replaceChildren(grid, status, list);
   const seek = (element) => () => highlight({ element });
 

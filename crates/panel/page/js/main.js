@@ -1,7 +1,7 @@
 /** Puts the page together. */
 
 import { mountBoard } from './board.js';
-import { mountControls } from './controls.js';
+import { mountControls, press } from './controls.js';
 import { byId, fill } from './dom.js';
 import { mountEquations } from './equations.js';
 import { mountFiles, begin } from './files.js';
@@ -23,7 +23,7 @@ const root = document.documentElement;
 function setLayout(name) {
   root.dataset.layout = name;
   localStorage.setItem(LAYOUT, name);
-  for (const each of byId('layout').children) each.setAttribute('aria-pressed', each.value === name);
+  press(byId('layout'), ({ value }) => value === name);
   sendViews();
 }
 
