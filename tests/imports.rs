@@ -10,13 +10,13 @@ use crate::docs::sources;
 
 /// The crates in order. Each may depend on earlier ones, except that [`INDEPENDENT`] crates do not depend on each
 /// other.
-const CRATES: [&str; 9] =
-    ["expr", "core", "equations", "analysis", "draw", "panel", "server", "ident", "thesis"];
+const CRATES: [&str; 10] =
+    ["expr", "core", "equations", "analysis", "draw", "panel", "server", "ident", "thesis", "web"];
 /// Crates that do not depend on each other.
 const INDEPENDENT: [&str; 2] = ["ident", "thesis"];
 
 /// The top-level modules of each crate in order. Each may import earlier ones.
-const MODULES: [(&str, &[&str]); 9] = [
+const MODULES: [(&str, &[&str]); 10] = [
     ("expr", &["number_text", "function", "units", "formula"]),
     (
         "core",
@@ -26,6 +26,7 @@ const MODULES: [(&str, &[&str]); 9] = [
             "grid",
             "divided_differences",
             "low_discrepancy",
+            "multiply_add",
             "parabola",
             "delay_line",
             "document",
@@ -84,8 +85,8 @@ const MODULES: [(&str, &[&str]); 9] = [
     (
         "panel",
         &[
-            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places", "document", "view",
-            "session",
+            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places", "document",
+            "view", "session",
         ],
     ),
     (
@@ -109,6 +110,7 @@ const MODULES: [(&str, &[&str]); 9] = [
         &["statistics", "data", "effects", "fit", "residuals", "localise", "design", "search", "report"],
     ),
     ("thesis", &["slideway", "chain", "replay"]),
+    ("web", &[]),
 ];
 
 /// The top-level module and the code of every source file of a crate.

@@ -25,6 +25,7 @@ mod kernel;
 pub mod low_discrepancy;
 mod lower;
 pub mod machines;
+mod multiply_add;
 pub mod output;
 mod parabola;
 pub mod patch;

@@ -4,6 +4,8 @@
 //! stages of the classical method are both in the middle of the step, so their values determine the control point. A
 //! voltage that is a linear function of states and time has its control point at the first stage.
 
+use crate::multiply_add::multiply_add;
+
 /// Margin for the error of a curve at a turning point, as a share of the swing of the voltage.
 pub(crate) const TURN_MARGIN: f64 = 0.1;
 
@@ -26,7 +28,7 @@ impl Parabola {
     /// The parabola from the voltages at the first two stages and at both ends of a step. The rounding is that of the
     /// kernels.
     pub(crate) fn of_stages([first, second]: [f64; 2], [begin, end]: [f64; 2]) -> Parabola {
-        Parabola { begin, control: (begin + end).mul_add(-0.5, first + second), end }
+        Parabola { begin, control: multiply_add(begin + end, -0.5, first + second), end }
     }
 
     /// The share (0 ... 1) of the step at which the voltage turns, and the voltage there, moved outwards by a margin for
@@ -61,7 +63,7 @@ impl Parabola {
     pub(crate) fn may_turn(&self) -> bool {
         let Parabola { begin, control, end } = *self;
         let (slopes, rise) = ((control - begin) * (end - control), end - begin);
-        let excess = (rise * rise).mul_add(-LEAST_SLOPES, slopes);
+        let excess = multiply_add(rise * rise, -LEAST_SLOPES, slopes);
         excess.is_nan() || excess < 0.0
     }
 

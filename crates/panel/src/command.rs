@@ -43,7 +43,11 @@ fn command(mut object: Map<String, Value>) -> Result<Command, String> {
     let tagged = Value::Object(Map::from_iter([(name.clone(), Value::Object(object))]));
     let outcome = serde_json::from_value(tagged);
     // A command without fields is a word.
-    let outcome = if has_fields { outcome } else { outcome.or_else(|_| serde_json::from_value(Value::String(name.clone()))) };
+    let outcome = if has_fields {
+        outcome
+    } else {
+        outcome.or_else(|_| serde_json::from_value(Value::String(name.clone())))
+    };
     outcome.map_err(|error| format!("command \"{name}\": {error}"))
 }
 
@@ -271,6 +275,14 @@ pub enum Command {
         schematic: bool,
         /// Whether the equations are shown.
         equations: bool,
+    },
+    /// Searches for corrections of equations that the wiring does not solve. The answer is the event `findings`. It can
+    /// take seconds.
+    Advise,
+    /// Compares every output and derivative with the equations. The answer is the event `static-check`.
+    StaticCheck {
+        /// The seed of random test values; the initial condition if absent.
+        seed: Option<u64>,
     },
     /// Runs the patch from its beginning as `patchcord run` does. The answer is the event `table`.
     Run,

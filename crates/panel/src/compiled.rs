@@ -9,6 +9,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Report;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
+use patchcord_equations::{ComparedEquation, Fix, compare_equations, equation_fixes, findings_with_fixes};
 
 /// A patch that a machine can run.
 #[derive(Debug)]
@@ -20,10 +21,12 @@ pub(crate) struct Compiled {
 }
 
 /// What the checker reports about a patch, and the patch compiled. The latter is `None` if an error remains after open
-/// inputs are grounded.
+/// inputs are grounded. Equations that the wiring does not solve are reported without corrections, which [`advise`] finds.
 pub(crate) fn compile(patch: &Patch) -> (Report, Option<Compiled>) {
     match compile_as_it_is(patch) {
-        Ok((warnings, compiled)) => (warnings, Some(compiled)),
+        Ok((warnings, compiled)) => {
+            (with_equations(warnings, patch, &compiled, |_, _| Vec::new()), Some(compiled))
+        }
         Err(report) => {
             let grounded = patch.with_grounded_inputs();
             let compiled = grounded.and_then(|patch| compile_as_it_is(&patch).ok());
@@ -40,4 +43,28 @@ fn compile_as_it_is(patch: &Patch) -> Result<(Report, Compiled), Box<Report>> {
     let circuit = Circuit::new(patch)?;
     let program = Arc::new(Program::new(&circuit)?);
     Ok((circuit.warnings(), Compiled { circuit, program }))
+}
+
+/// What the checker reports about a patch without errors in its wiring, with the corrections that it finds for equations
+/// that are not solved. It can take seconds.
+pub(crate) fn advise(patch: &Patch) -> Option<Report> {
+    let (warnings, compiled) = compile_as_it_is(patch).ok()?;
+    let fixes = |compiled: &Compiled, compared: &[ComparedEquation]| {
+        equation_fixes(&compiled.circuit, &compiled.program, compared)
+    };
+    Some(with_equations(warnings, patch, &compiled, fixes))
+}
+
+/// A report with the findings about the equations that the patch states.
+fn with_equations(
+    report: Report,
+    patch: &Patch,
+    compiled: &Compiled,
+    fixes: impl FnOnce(&Compiled, &[ComparedEquation]) -> Vec<Fix>,
+) -> Report {
+    let compared = compare_equations(&compiled.circuit, &compiled.program);
+    let fixes = fixes(compiled, &compared);
+    let mut findings = report.findings;
+    findings.extend(findings_with_fixes(&compiled.circuit, &compared, &fixes));
+    Report::new(patch.file(), patch.text(), findings)
 }

@@ -75,6 +75,13 @@ pub enum Event {
         /// The content for the command `restore`.
         snapshot: Value,
     },
+    /// Every output and derivative compared with the equations.
+    StaticCheck {
+        /// Whether the patch states equations. Without them there is nothing to compare with.
+        compared: bool,
+        /// The rows, in the order of the signal flow.
+        rows: Vec<CheckRow>,
+    },
     /// The samples of a complete run, as `patchcord run --csv` writes them.
     Table {
         /// The text of the CSV file.
@@ -322,6 +329,29 @@ pub struct Place {
     pub setting: Option<String>,
     /// Name of the parameter.
     pub parameter: Option<String>,
+}
+
+/// A row of a static check: the output of an element, or the derivative of an integrator or a lag.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CheckRow {
+    /// Name of the element.
+    pub element: String,
+    /// Its kind.
+    pub kind: String,
+    /// 0 for an output in volts, 1 for a derivative in volts per machine second.
+    pub order: usize,
+    /// The quantity with its unit, such as "x' in mm/s"; absent if there is no signal.
+    pub quantity: Option<String>,
+    /// The expected value in volts, or volts per machine second; absent if there is none.
+    pub expected: Option<f64>,
+    /// The value in the wiring.
+    pub wired: f64,
+    /// Whether the two differ.
+    pub differs: bool,
+    /// Why they are not compared; absent if they are, or if there is no expected value.
+    pub not_compared: Option<String>,
+    /// Whether the output demands more than 100 V.
+    pub overloaded: bool,
 }
 
 /// The state of the machine and of the clock.

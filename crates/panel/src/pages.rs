@@ -51,17 +51,26 @@ macro_rules! pages {
 
 /// All pages, in alphabetical order of their paths.
 pub const PAGES: &[Page] = pages![
+    "css/board.css",
     "css/equations.css",
     "css/knobs.css",
     "css/panel.css",
     "css/schematic.css",
     "css/scope.css",
+    "faceplates/index.json",
+    "faceplates/plain.json",
+    "faceplates/solartron-1451.json",
+    "faceplates/the-analog-thing.json",
     "icon.svg",
     "index.html",
+    "js/board-tools.js",
+    "js/board.js",
     "js/controls.js",
+    "js/cords.js",
     "js/dial.js",
     "js/dom.js",
     "js/equations.js",
+    "js/faceplate.js",
     "js/files.js",
     "js/frame.js",
     "js/keys.js",
@@ -72,6 +81,7 @@ pub const PAGES: &[Page] = pages![
     "js/main.js",
     "js/messages.js",
     "js/meters.js",
+    "js/patching.js",
     "js/probes.js",
     "js/schematic.js",
     "js/scope-controls.js",
@@ -83,6 +93,7 @@ pub const PAGES: &[Page] = pages![
     "js/scope.js",
     "js/state.js",
     "js/theme.js",
+    "worker/engine.js",
 ];
 
 #[cfg(test)]

@@ -1,3 +1,4 @@
 //! Integration tests of the panel's session.
 
+mod protocol;
 mod session;

@@ -138,7 +138,13 @@ fn a_cord_that_is_pulled_out_is_a_finding_and_the_machine_runs_on_with_0_v() {
     assert!((frame.header.time - time - 0.5).abs() < 2e-3);
     assert_eq!(client.volts(&frame, "A1"), velocity);
     let events = client.send(json!({"command": "undo"}));
-    assert!(event(&events, "findings")["findings"].as_array().unwrap().iter().all(|one| one["severity"] != "error"));
+    assert!(
+        event(&events, "findings")["findings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|one| one["severity"] != "error")
+    );
     let frame = client.advance(0.2);
     assert!(client.volts(&frame, "A1") != velocity && frame.header.time > time + 0.6);
 }
@@ -195,7 +201,8 @@ fn the_run_of_a_session_is_that_of_the_command() {
     let mut client = Client::with(file);
     let events = client.send(json!({"command": "run"}));
     let circuit = Circuit::new(&Patch::parse("p.json", &text(file)).unwrap()).unwrap();
-    let trace = patchcord_core::solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap());
+    let trace =
+        patchcord_core::solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap());
     let mut expected = Vec::new();
     trace.unwrap().write_csv(&mut expected).unwrap();
     assert_eq!(event(&events, "table")["csv"].as_str().unwrap().as_bytes(), expected);
@@ -221,7 +228,9 @@ fn a_session_continues_from_its_snapshot() {
 fn wrong_requests_are_refused_and_change_nothing() {
     let mut client = Client::with("lessons/mass-and-spring.json");
     let before = client.patch();
-    for wrong in ["", "{}", "[1]", r#"{"id": 1, "commands": [{"command": "fly"}]}"#, r#"{"id": 1, "commands": 3}"#] {
+    for wrong in
+        ["", "{}", "[1]", r#"{"id": 1, "commands": [{"command": "fly"}]}"#, r#"{"id": 1, "commands": 3}"#]
+    {
         let answer = client.0.request(wrong, &mut || false);
         assert!(answer.text.contains("refused") && answer.frame.is_none(), "{wrong}: {}", answer.text);
     }
@@ -239,4 +248,29 @@ fn wrong_requests_are_refused_and_change_nothing() {
         assert!(!refusal(&client.send(wrong.clone())).is_empty(), "{wrong}");
     }
     assert_eq!(client.patch(), before);
+}
+
+#[test]
+fn an_equation_that_is_not_solved_is_a_finding_and_advice_corrects_it() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    // The first mistake of every beginner: the sign of the spring.
+    let events = client.send(
+        json!({"command": "move-cord", "element": "P1", "jack": "in", "from": "B1", "to": {"output": "A2"}}),
+    );
+    let findings = &event(&events, "findings")["findings"];
+    let fault = findings.as_array().unwrap().iter().find(|one| one["code"] == "equation-not-solved").unwrap();
+    assert!(fault["message"].as_str().unwrap().contains("the sign of"), "{fault}");
+    let events = client.send(json!({"command": "advise"}));
+    let findings = event(&events, "findings")["findings"].to_string();
+    assert!(findings.contains("plug B1 into P1 in place of A2"), "{findings}");
+    client.mode("problem-check");
+    let events = client.send(json!({"command": "static-check"}));
+    let table = event(&events, "static-check");
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(table["compared"], true);
+    // m x'' = -k x at 80 mm: -3200 mm/s^2, and a volt is 10 mm/s.
+    let rate = rows.iter().find(|row| row["element"] == "A1" && row["order"] == 1).unwrap();
+    let [expected, wired] = ["expected", "wired"].map(|key| rate[key].as_f64().unwrap());
+    assert!((expected + 320.0).abs() < 1e-9 && (wired - 320.0).abs() < 1e-9, "{rate}");
+    assert_eq!(rate["differs"], true);
 }

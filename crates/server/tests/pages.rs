@@ -33,7 +33,12 @@ fn all_pages_are_served_with_their_types() {
     let server = start(options());
     for page in PAGES {
         let response = server.get(&format!("/{}", page.path));
-        assert_eq!((response.status, response.body.as_slice()), (200, page.content().as_bytes()), "{}", page.path);
+        assert_eq!(
+            (response.status, response.body.as_slice()),
+            (200, page.content().as_bytes()),
+            "{}",
+            page.path
+        );
         let kind = format!("\r\ncontent-type: {}\r\n", page.kind());
         assert!(response.headers.contains(&kind), "{}: {}", page.path, response.headers);
     }

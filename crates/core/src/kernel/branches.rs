@@ -10,6 +10,7 @@ use super::frame::Frame;
 use super::lane::Lane;
 use super::{IntervalWatch, Kernel, WatchCondition};
 use crate::ir::{KINK_TOLERANCE, Program, segment};
+use crate::multiply_add::multiply_add;
 
 /// Distance in volts by which a voltage is moved past a corner to choose the branch behind it.
 const BRANCH_DISTANCE: f64 = 10.0 * KINK_TOLERANCE;
@@ -147,7 +148,7 @@ impl Kernel {
                 // watch itself.
                 let rounding = line.map_or(0.0, |_| 4.0 * f64::EPSILON * (constant.abs() + offset.abs()));
                 let mut keep = |slope: f64| {
-                    range = narrowed(range, slope * factor, slope.mul_add(constant, offset) - rounding);
+                    range = narrowed(range, slope * factor, multiply_add(slope, constant, offset) - rounding);
                 };
                 keep(slope);
                 if matches!(self.watches[*watch].condition, WatchCondition::Size(_)) {
@@ -257,7 +258,7 @@ fn other_side(value: f64, slope: f64) -> f64 {
 fn narrowed([low, high]: [f64; 2], slope: f64, offset: f64) -> [f64; 2] {
     let edge = -offset / slope;
     // For denormal numbers the quotient is inexact, so the bound is tested.
-    let is_beyond = slope.mul_add(edge, offset) < 0.0;
+    let is_beyond = multiply_add(slope, edge, offset) < 0.0;
     match slope {
         slope if slope > 0.0 => [low.max(if is_beyond { edge.next_up() } else { edge }), high],
         slope if slope < 0.0 => [low, high.min(if is_beyond { edge.next_down() } else { edge })],

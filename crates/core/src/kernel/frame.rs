@@ -9,6 +9,7 @@ use super::rows::Rows;
 use super::schedules::Schedule;
 use super::{Kernel, Layout};
 use crate::delay_line::DelayLine;
+use crate::multiply_add::multiply_add;
 
 /// All values of one run of a kernel, or of several in lanes.
 #[derive(Debug, Clone)]
@@ -241,7 +242,7 @@ impl Frame<f64> {
             // The kernel adds no constant if there is none, so a product of -0 keeps its sign.
             let is_none = kernel.number(constant) == Some(0.0);
             let addend = if is_none { -0.0 } else { self.slots[constant as usize] };
-            self.slots[factor as usize].mul_add(volts, addend)
+            multiply_add(self.slots[factor as usize], volts, addend)
         })
     }
 
@@ -251,7 +252,7 @@ impl Frame<f64> {
         let (at, line) = kernel.recorded[index].tracks?;
         let Extremes { least, least_at, most, most_at } = &self.extremes;
         let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(|slot| self.slots[slot as usize]));
-        let extreme = |times: &[f64], volts: &[f64]| (times[at], factor.mul_add(volts[at], constant));
+        let extreme = |times: &[f64], volts: &[f64]| (times[at], multiply_add(factor, volts[at], constant));
         let (first, second) = (extreme(least_at, least), extreme(most_at, most));
         Some(if first.0 <= second.0 { [first, second] } else { [second, first] })
     }

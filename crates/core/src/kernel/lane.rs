@@ -3,6 +3,8 @@
 //! The interpreter is written once for all lanes. [`Lane`] has the operations that it needs. `f64` is one run, and
 //! [`Lanes`] is one run per element of an array, which the compiler keeps in vector registers.
 
+use crate::multiply_add::multiply_add;
+
 /// One or several numbers to which the same operations apply. Each is rounded as if it were alone.
 pub(crate) trait Lane: Copy {
     /// How many numbers there are.
@@ -46,7 +48,7 @@ pub(crate) trait Lane: Copy {
     /// self x factor + sum, rounded once.
     #[inline(always)]
     fn multiply_add(self, factor: Self, sum: Self) -> Self {
-        self.map3(factor, sum, f64::mul_add)
+        self.map3(factor, sum, multiply_add)
     }
     /// The smaller of two numbers. A NaN on the left is returned, as in the reference.
     #[inline(always)]

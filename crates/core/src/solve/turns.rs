@@ -10,6 +10,7 @@ use super::evaluate::{Scope, trial};
 use super::machine::Machine;
 use super::state::{Setup, Solver, SolverState};
 use crate::delay_line::DelayLine;
+use crate::multiply_add::multiply_add;
 
 /// Distance from the ends of a step at which the slopes are measured, as a share of the step. It is large enough for the
 /// rounding of the voltages to change no turning point by more than [`SHORTFALL`].
@@ -78,7 +79,7 @@ fn evaluate_near_ends(
 /// Moves states by a time in problem seconds, in proportion to their rates.
 fn advance(into: &mut [f64], states: &[f64], rates: &[f64], time: f64) {
     for ((moved, volts), rate) in into.iter_mut().zip(states).zip(rates) {
-        *moved = rate.mul_add(time, *volts);
+        *moved = multiply_add(*rate, time, *volts);
     }
 }
 

@@ -1,8 +1,7 @@
 //! The screen: background, division lines, small marks and border.
 
-use plotters::style::RGBColor;
-
 use super::clip::Area;
+use super::colour::Colour;
 use super::surface::Surface;
 use super::{Axis, Picture, PlotError, palette};
 
@@ -143,7 +142,7 @@ fn row(screen: Area, fraction: f64) -> f64 {
 fn vertical_line(
     x: f64,
     ends: (f64, f64),
-    colour: RGBColor,
+    colour: Colour,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
     surface.rectangle((x - HALF_WIDTH, ends.0), (x + HALF_WIDTH, ends.1), colour)
@@ -153,7 +152,7 @@ fn vertical_line(
 fn horizontal_line(
     y: f64,
     ends: (f64, f64),
-    colour: RGBColor,
+    colour: Colour,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
     surface.rectangle((ends.0, y - HALF_WIDTH), (ends.1, y + HALF_WIDTH), colour)

@@ -1,7 +1,6 @@
 //! The rows above the screen: title, note, warning and legend.
 
-use plotters::style::RGBColor;
-
+use super::colour::Colour;
 use super::font::Font;
 use super::layout::{Frame, LABEL_TEXT, MARGIN};
 use super::surface::{Align, Surface, TextStyle};
@@ -99,7 +98,7 @@ impl HeaderWriter<'_> {
     }
 
     /// Writes a text at the left margin of the last row, truncated to the width of the picture.
-    fn write(&mut self, text: &str, size: f64, colour: RGBColor) -> Result<(), PlotError> {
+    fn write(&mut self, text: &str, size: f64, colour: Colour) -> Result<(), PlotError> {
         let text = self.font.truncated(text, size, self.frame.max_text_width());
         let style = TextStyle { size, colour, align: Align::Start };
         self.surface.text(&text, (MARGIN, self.baseline), style)
@@ -131,7 +130,7 @@ struct LegendEntry<'a> {
     /// The width with the sample, without the gap to the next entry.
     width: f64,
     /// The channel and the colour of its trace, for the sample. `None` for the number of channels without an entry.
-    sample: Option<(&'a Channel, RGBColor)>,
+    sample: Option<(&'a Channel, Colour)>,
 }
 
 impl LegendEntry<'_> {

@@ -10,6 +10,7 @@ mod axis;
 mod band;
 mod callout;
 mod clip;
+mod colour;
 mod draw;
 mod drawing;
 mod error;

@@ -5,11 +5,11 @@
 //! image.
 
 use ab_glyph::OutlineCurve;
-use plotters::style::RGBColor;
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform,
 };
 
+use super::colour::Colour;
 use super::layout::Frame;
 use super::surface::{Surface, TextStyle, drawing_error};
 use super::{Picture, PlotError, Size, draw, font::Font};
@@ -90,14 +90,14 @@ impl RasterSurface<'_> {
     }
 
     /// Fills a path; nothing is drawn without a path.
-    fn fill(&mut self, path: Option<Path>, colour: RGBColor) {
+    fn fill(&mut self, path: Option<Path>, colour: Colour) {
         if let Some(path) = path {
             self.pixels.fill_path(&path, &ink(colour), FillRule::Winding, self.transform(), None);
         }
     }
 
     /// Draws a line along a path, with round joins and ends; nothing is drawn without a path.
-    fn stroke(&mut self, path: Option<Path>, width: f64, colour: RGBColor) {
+    fn stroke(&mut self, path: Option<Path>, width: f64, colour: Colour) {
         let (line_cap, line_join) = (LineCap::Round, LineJoin::Round);
         let stroke = Stroke { width: width as f32, line_cap, line_join, ..Stroke::default() };
         if let Some(path) = path {
@@ -107,7 +107,7 @@ impl RasterSurface<'_> {
 }
 
 /// Returns an opaque paint of a colour.
-fn ink(colour: RGBColor) -> Paint<'static> {
+fn ink(colour: Colour) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color_rgba8(colour.0, colour.1, colour.2, u8::MAX);
     paint
@@ -149,13 +149,13 @@ fn glyph_path(curves: &[OutlineCurve]) -> Option<Path> {
 }
 
 impl Surface for RasterSurface<'_> {
-    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Result<(), PlotError> {
+    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: Colour) -> Result<(), PlotError> {
         let rectangle = Rect::from_ltrb(from.0 as f32, from.1 as f32, to.0 as f32, to.1 as f32);
         self.fill(rectangle.map(PathBuilder::from_rect), colour);
         Ok(())
     }
 
-    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError> {
+    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Colour) -> Result<(), PlotError> {
         let Some(first) = points.first() else { return Ok(()) };
         if points.iter().all(|point| point == first) {
             self.fill(PathBuilder::from_circle(first.0 as f32, first.1 as f32, width as f32), colour);
@@ -165,18 +165,12 @@ impl Surface for RasterSurface<'_> {
         Ok(())
     }
 
-    fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError> {
+    fn area(&mut self, corners: &[(f64, f64)], colour: Colour) -> Result<(), PlotError> {
         self.fill(polyline(corners, true), colour);
         Ok(())
     }
 
-    fn ring(
-        &mut self,
-        centre: (f64, f64),
-        radius: f64,
-        width: f64,
-        colour: RGBColor,
-    ) -> Result<(), PlotError> {
+    fn ring(&mut self, centre: (f64, f64), radius: f64, width: f64, colour: Colour) -> Result<(), PlotError> {
         let circle = PathBuilder::from_circle(centre.0 as f32, centre.1 as f32, radius as f32);
         self.stroke(circle, width, colour);
         Ok(())
@@ -195,7 +189,7 @@ mod tests {
     use super::*;
     use crate::plot::Align;
 
-    const BLACK: RGBColor = RGBColor(0, 0, 0);
+    const BLACK: Colour = Colour(0, 0, 0);
 
     /// Returns the red channel of an image that is 8 pixels wide and 4 pixels high.
     fn painted(paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>) -> Vec<u8> {

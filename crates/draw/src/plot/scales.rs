@@ -1,8 +1,7 @@
 //! The numbers and titles around the screen.
 
-use plotters::style::RGBColor;
-
 use super::clip::Area;
+use super::colour::Colour;
 use super::font::Font;
 use super::layout::{Frame, LABEL_TEXT, MARGIN, TICK_GAP, TICK_TEXT};
 use super::surface::{Align, Surface, TextStyle};
@@ -52,7 +51,7 @@ pub(super) fn draw(
 /// Returns the colours of the left and the right scale.
 ///
 /// If there is a right axis, each scale has the colour of its first channel.
-fn colours(picture: &Picture) -> (RGBColor, RGBColor) {
+fn colours(picture: &Picture) -> (Colour, Colour) {
     let colour = |right: bool| {
         let first = picture.channels.iter().position(|channel| channel.right == right);
         match first {
@@ -101,7 +100,7 @@ impl Scales<'_> {
     }
 
     /// Writes the numbers at one side of the screen.
-    fn vertical_scale(&mut self, axis: &Axis, side: Side, colour: RGBColor) -> Result<(), PlotError> {
+    fn vertical_scale(&mut self, axis: &Axis, side: Side, colour: Colour) -> Result<(), PlotError> {
         let screen = self.screen;
         let (x, align) = match side {
             Side::Left => (screen.left - TICK_GAP, Align::End),
@@ -122,7 +121,7 @@ impl Scales<'_> {
         picture: &Picture,
         axis: &Axis,
         side: Side,
-        colour: RGBColor,
+        colour: Colour,
     ) -> Result<(), PlotError> {
         let titles = 1.0 + f64::from(picture.vertical_right.is_some());
         let max_width = self.frame.max_text_width() / titles - MARGIN;
@@ -157,7 +156,7 @@ impl Scales<'_> {
         text: &str,
         at: (f64, f64),
         size: f64,
-        colour: RGBColor,
+        colour: Colour,
         align: Align,
     ) -> Result<(), PlotError> {
         let style = TextStyle { size, colour, align };

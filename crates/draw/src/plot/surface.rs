@@ -1,8 +1,7 @@
 //! The interface of the drawing backends for SVG and PNG.
 
-use plotters::style::RGBColor;
-
 use super::PlotError;
+use super::colour::Colour;
 
 /// A surface that pictures and drawings are drawn on.
 ///
@@ -10,23 +9,17 @@ use super::PlotError;
 /// picture is 900 units wide.
 pub(super) trait Surface {
     /// Fills a rectangle between its upper left and lower right corners.
-    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Result<(), PlotError>;
+    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: Colour) -> Result<(), PlotError>;
 
     /// Draws a polyline with round joins and ends. If all points coincide, it is a disc with radius
     /// `width`.
-    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError>;
+    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Colour) -> Result<(), PlotError>;
 
     /// Fills a polygon.
-    fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError>;
+    fn area(&mut self, corners: &[(f64, f64)], colour: Colour) -> Result<(), PlotError>;
 
     /// Draws the outline of a circle.
-    fn ring(
-        &mut self,
-        centre: (f64, f64),
-        radius: f64,
-        width: f64,
-        colour: RGBColor,
-    ) -> Result<(), PlotError>;
+    fn ring(&mut self, centre: (f64, f64), radius: f64, width: f64, colour: Colour) -> Result<(), PlotError>;
 
     /// Writes a line of text; `at` is a point on its baseline.
     fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError>;
@@ -38,7 +31,7 @@ pub(super) struct TextStyle {
     /// The em size in picture units.
     pub size: f64,
     /// The colour.
-    pub colour: RGBColor,
+    pub colour: Colour,
     /// The part of the text that is at its position.
     pub align: Align,
 }

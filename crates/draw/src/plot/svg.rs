@@ -5,10 +5,13 @@
 
 use std::fmt::Write as _;
 
-use plotters::backend::{DrawingBackend as _, SVGBackend};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color as _, FontDesc, FontFamily, FontStyle, RGBColor};
+use plotters_backend::text_anchor::{HPos, Pos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend as _, FontFamily,
+};
+use plotters_svg::SVGBackend;
 
+use super::colour::Colour;
 use super::layout::Frame;
 use super::surface::{Align, Surface, TextStyle, drawing_error, whole_point, whole_points};
 use super::{Picture, PlotError, Size, draw, font::Font};
@@ -102,47 +105,103 @@ struct SvgSurface<'a> {
 }
 
 impl Surface for SvgSurface<'_> {
-    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Result<(), PlotError> {
+    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: Colour) -> Result<(), PlotError> {
         let (from, to) = (whole_point(from, self.scale), whole_point(to, self.scale));
-        self.backend.draw_rect(from, to, &colour, true).map_err(drawing_error)
+        self.backend.draw_rect(from, to, &library_colour(colour), true).map_err(drawing_error)
     }
 
-    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError> {
+    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Colour) -> Result<(), PlotError> {
         let width = (width * self.scale).round() as u32;
         let points = whole_points(points, self.scale);
         if let [dot] = points[..] {
-            self.backend.draw_circle(dot, width, &colour, true)
+            self.backend.draw_circle(dot, width, &library_colour(colour), true)
         } else {
-            self.backend.draw_path(points, &colour.stroke_width(width))
+            self.backend.draw_path(points, &Outline { width, colour })
         }
         .map_err(drawing_error)
     }
 
-    fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError> {
-        self.backend.fill_polygon(whole_points(corners, self.scale), &colour).map_err(drawing_error)
+    fn area(&mut self, corners: &[(f64, f64)], colour: Colour) -> Result<(), PlotError> {
+        let corners = whole_points(corners, self.scale);
+        self.backend.fill_polygon(corners, &library_colour(colour)).map_err(drawing_error)
     }
 
-    fn ring(
-        &mut self,
-        centre: (f64, f64),
-        radius: f64,
-        width: f64,
-        colour: RGBColor,
-    ) -> Result<(), PlotError> {
+    fn ring(&mut self, centre: (f64, f64), radius: f64, width: f64, colour: Colour) -> Result<(), PlotError> {
         let (radius, width) = ((radius * self.scale).round() as u32, (width * self.scale).round() as u32);
         let centre = whole_point(centre, self.scale);
-        self.backend.draw_circle(centre, radius, &colour.stroke_width(width), false).map_err(drawing_error)
+        self.backend.draw_circle(centre, radius, &Outline { width, colour }, false).map_err(drawing_error)
     }
 
     fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError> {
         let size = style.size * self.scale * LIBRARY_FONT_FACTOR;
-        let top = at.1 - style.size * LIBRARY_ASCENT;
-        let library_style = FontDesc::new(FontFamily::Name(FAMILY), size, FontStyle::Normal)
-            .color(&style.colour)
-            .pos(Pos::new(horizontal_position(style.align), VPos::Top));
-        self.backend
-            .draw_text(text, &library_style, whole_point((at.0, top), self.scale))
-            .map_err(drawing_error)
+        let top = whole_point((at.0, at.1 - style.size * LIBRARY_ASCENT), self.scale);
+        self.backend.draw_text(text, &LibraryText { size, style }, top).map_err(drawing_error)
+    }
+}
+
+/// Returns the colour in terms of the drawing library.
+fn library_colour(colour: Colour) -> BackendColor {
+    BackendColor { alpha: 1.0, rgb: (colour.0, colour.1, colour.2) }
+}
+
+/// A line with a thickness in coordinate units.
+struct Outline {
+    /// The thickness.
+    width: u32,
+    /// The colour.
+    colour: Colour,
+}
+
+impl BackendStyle for Outline {
+    fn color(&self) -> BackendColor {
+        library_colour(self.colour)
+    }
+
+    fn stroke_width(&self) -> u32 {
+        self.width
+    }
+}
+
+/// The style of a line of text in terms of the drawing library.
+struct LibraryText {
+    /// The font size of the library.
+    size: f64,
+    /// The colour and the alignment.
+    style: TextStyle,
+}
+
+impl BackendTextStyle for LibraryText {
+    type FontError = std::fmt::Error;
+
+    fn color(&self) -> BackendColor {
+        library_colour(self.style.colour)
+    }
+
+    fn size(&self) -> f64 {
+        self.size
+    }
+
+    fn anchor(&self) -> Pos {
+        Pos::new(horizontal_position(self.style.align), VPos::Top)
+    }
+
+    fn family(&self) -> FontFamily<'_> {
+        FontFamily::Name(FAMILY)
+    }
+
+    /// Only a library backend that paints letters asks for their place. The viewer of an SVG places them.
+    fn layout_box(&self, _: &str) -> Result<((i32, i32), (i32, i32)), Self::FontError> {
+        Err(std::fmt::Error)
+    }
+
+    /// Only a library backend that paints letters asks for their pixels.
+    fn draw<E, Paint: FnMut(i32, i32, BackendColor) -> Result<(), E>>(
+        &self,
+        _: &str,
+        _: BackendCoord,
+        _: Paint,
+    ) -> Result<Result<(), E>, Self::FontError> {
+        Err(std::fmt::Error)
     }
 }
 

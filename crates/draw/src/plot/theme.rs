@@ -1,6 +1,6 @@
 //! The colours of line drawings in a light and a dark theme.
 
-use plotters::style::RGBColor;
+use super::colour::Colour;
 
 /// The colour theme of a line drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -38,15 +38,15 @@ pub enum Ink {
 }
 
 /// The colours of patch cords, for the light and the dark theme.
-const CORDS: [(RGBColor, RGBColor); 8] = [
-    (RGBColor(200, 30, 45), RGBColor(240, 98, 98)),
-    (RGBColor(20, 95, 190), RGBColor(96, 165, 250)),
-    (RGBColor(225, 140, 0), RGBColor(250, 190, 70)),
-    (RGBColor(20, 135, 80), RGBColor(74, 200, 130)),
-    (RGBColor(130, 60, 160), RGBColor(195, 140, 240)),
-    (RGBColor(60, 65, 72), RGBColor(200, 205, 212)),
-    (RGBColor(0, 145, 160), RGBColor(60, 205, 215)),
-    (RGBColor(150, 85, 40), RGBColor(215, 155, 110)),
+const CORDS: [(Colour, Colour); 8] = [
+    (Colour(200, 30, 45), Colour(240, 98, 98)),
+    (Colour(20, 95, 190), Colour(96, 165, 250)),
+    (Colour(225, 140, 0), Colour(250, 190, 70)),
+    (Colour(20, 135, 80), Colour(74, 200, 130)),
+    (Colour(130, 60, 160), Colour(195, 140, 240)),
+    (Colour(60, 65, 72), Colour(200, 205, 212)),
+    (Colour(0, 145, 160), Colour(60, 205, 215)),
+    (Colour(150, 85, 40), Colour(215, 155, 110)),
 ];
 
 impl Ink {
@@ -56,16 +56,16 @@ impl Ink {
 
 impl Theme {
     /// Returns the colour of an ink.
-    pub(super) fn colour(self, ink: Ink) -> RGBColor {
+    pub(super) fn colour(self, ink: Ink) -> Colour {
         let (light, dark) = match ink {
-            Ink::Page => (RGBColor(255, 255, 255), RGBColor(20, 24, 30)),
-            Ink::Body => (RGBColor(247, 244, 234), RGBColor(38, 45, 55)),
-            Ink::Line => (RGBColor(24, 28, 34), RGBColor(232, 235, 239)),
-            Ink::Wire => (RGBColor(44, 62, 84), RGBColor(168, 184, 202)),
-            Ink::Soft => (RGBColor(92, 100, 110), RGBColor(150, 160, 172)),
-            Ink::Faint => (RGBColor(205, 210, 217), RGBColor(62, 70, 82)),
-            Ink::Signal => (RGBColor(11, 77, 162), RGBColor(120, 180, 255)),
-            Ink::Voltage => (RGBColor(178, 50, 20), RGBColor(255, 170, 105)),
+            Ink::Page => (Colour(255, 255, 255), Colour(20, 24, 30)),
+            Ink::Body => (Colour(247, 244, 234), Colour(38, 45, 55)),
+            Ink::Line => (Colour(24, 28, 34), Colour(232, 235, 239)),
+            Ink::Wire => (Colour(44, 62, 84), Colour(168, 184, 202)),
+            Ink::Soft => (Colour(92, 100, 110), Colour(150, 160, 172)),
+            Ink::Faint => (Colour(205, 210, 217), Colour(62, 70, 82)),
+            Ink::Signal => (Colour(11, 77, 162), Colour(120, 180, 255)),
+            Ink::Voltage => (Colour(178, 50, 20), Colour(255, 170, 105)),
             Ink::Cord(number) => CORDS[number % CORDS.len()],
         };
         match self {

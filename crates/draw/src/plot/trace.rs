@@ -5,9 +5,8 @@
 
 use std::borrow::Cow;
 
-use plotters::style::RGBColor;
-
 use super::clip::{Area, clip};
+use super::colour::Colour;
 use super::surface::Surface;
 use super::thin::{drop_repeats, is_finite, is_monotonic, thin};
 use super::{Channel, Picture, PlotError, palette};
@@ -53,7 +52,7 @@ pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f6
 }
 
 /// Returns the parts of a channel with their colours: the correct points, and in a pale colour the wrong ones.
-pub(super) fn parts(channel: &Channel, colour: RGBColor) -> Vec<(Cow<'_, Channel>, RGBColor)> {
+pub(super) fn parts(channel: &Channel, colour: Colour) -> Vec<(Cow<'_, Channel>, Colour)> {
     if channel.wrong.is_empty() {
         return vec![(Cow::Borrowed(channel), colour)];
     }
@@ -80,7 +79,7 @@ fn with_points(channel: &Channel, is_selected: impl Fn(usize) -> bool) -> Channe
 pub(super) fn draw(
     lines: &[Line],
     channel: &Channel,
-    colour: RGBColor,
+    colour: Colour,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
     lines.iter().try_for_each(|line| surface.line(line, width(channel), colour))
@@ -209,7 +208,7 @@ mod tests {
     fn wrong_points_are_pale_and_joined_to_the_correct_ones() {
         let points: Vec<(f64, f64)> = (0..8).map(|n| (f64::from(n), 5.0)).collect();
         let line = Channel { breaks: vec![0, 4], wrong: vec![2..4, 4..8], ..Channel::line("", points) };
-        let black = RGBColor(0, 0, 0);
+        let black = Colour(0, 0, 0);
         let parts = parts(&line, black);
         let finite = |channel: &Channel| channel.points.iter().filter(|point| is_finite(**point)).count();
         assert_eq!(parts.iter().map(|(part, _)| finite(part)).collect::<Vec<_>>(), [6, 3]);

@@ -72,7 +72,8 @@ export function mountMessages(reconnect) {
   document.addEventListener('keydown', () => { pointer = null; });
   on('findings', showFindings);
   on('refused', ({ message, place: where }) => {
-    toast(message);
+    // The patch panel shows it at the jack.
+    if (!where?.element || byId('board').hidden) toast(message);
     if (where) highlight(where);
   });
   on('link', ({ connected, message }) => {

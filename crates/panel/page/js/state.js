@@ -120,6 +120,7 @@ export async function open() {
     for (const job of waiting.splice(0)) job.resolve([]);
     emit('link', { connected: false, message });
   });
+  await send({ command: 'hello' });
 }
 
 /** Asks the views to show a place at the panel. */

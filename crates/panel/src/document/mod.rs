@@ -82,7 +82,7 @@ pub struct Refusal {
     /// What is wrong and what to do.
     pub message: String,
     /// The jack, element, setting or parameter that the message is about.
-    pub place: Option<Place>,
+    pub place: Option<Box<Place>>,
 }
 
 impl Refusal {
@@ -93,7 +93,7 @@ impl Refusal {
 
     /// The same refusal at a place.
     pub(crate) fn at(self, place: Place) -> Refusal {
-        Refusal { place: Some(place), ..self }
+        Refusal { place: Some(Box::new(place)), ..self }
     }
 }
 

@@ -155,9 +155,9 @@ impl Default for Scope {
 }
 
 impl Scope {
-    /// A scope with free channels, against time, with 20 volts per division, triggered by the run.
+    /// A scope with free channels, against time, with 25 volts per division, which shows ±100 V, triggered by the run.
     pub fn new() -> Scope {
-        let channel = Channel { output: None, volts_per_division: 20.0, centre: 0.0, inverted: false };
+        let channel = Channel { output: None, volts_per_division: 25.0, centre: 0.0, inverted: false };
         let trigger = Trigger { mode: TriggerMode::Run, channel: 0, level: 0.0, rising: true };
         let sweep = 1.0;
         let traces = Traces::new(Timing { trigger: &trigger, screen: sweep });

@@ -108,7 +108,13 @@ impl Bench {
 
     /// Takes another patch. With `None`, which stands for a patch that does not compile, the machine waits. Otherwise it
     /// continues with the states of the present one, unless `resets`.
-    pub(super) fn set_patch(&mut self, compiled: Option<&Compiled>, resets: bool, probes: &Probes, scopes: &mut [Scope]) {
+    pub(super) fn set_patch(
+        &mut self,
+        compiled: Option<&Compiled>,
+        resets: bool,
+        probes: &Probes,
+        scopes: &mut [Scope],
+    ) {
         let Some(Compiled { circuit, program }) = compiled else {
             self.is_blocked = true;
             return;
@@ -222,12 +228,19 @@ impl Bench {
     ///
     /// # Errors
     /// The message if the time is not within the run.
-    pub(super) fn scrub(&mut self, time: f64, parameters: &[(String, f64)], scopes: &mut [Scope]) -> Result<(), String> {
+    pub(super) fn scrub(
+        &mut self,
+        time: f64,
+        parameters: &[(String, f64)],
+        scopes: &mut [Scope],
+    ) -> Result<(), String> {
         let clock = self.clock();
         let goal = self.with_live(|live| Ok(if time <= clock { live.return_before(time) } else { None }));
         let Some(goal) = goal.flatten() else {
             let oldest = self.oldest();
-            return Err(format!("the machine can be moved back to {oldest} ... {clock} s of its run, not to {time} s"));
+            return Err(format!(
+                "the machine can be moved back to {oldest} ... {clock} s of its run, not to {time} s"
+            ));
         };
         (self.stopped, self.controls.mode) = (None, Mode::Hold);
         let watched = &self.watched;
@@ -285,7 +298,12 @@ impl Bench {
     }
 
     /// Advances the clock by seconds. `must_stop` says whether the host has no more time.
-    pub(super) fn advance(&mut self, seconds: f64, scopes: &mut [Scope], must_stop: &mut dyn FnMut() -> bool) {
+    pub(super) fn advance(
+        &mut self,
+        seconds: f64,
+        scopes: &mut [Scope],
+        must_stop: &mut dyn FnMut() -> bool,
+    ) {
         self.factor = 1.0;
         if !self.is_moving() {
             return;

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use self::bench::{Bench, Probes};
 use crate::command::{Command, Mode, PROTOCOL_VERSION, Request};
-use crate::compiled::{Compiled, compile};
+use crate::compiled::{Compiled, advise, compile};
 use crate::document::{Change, Document, Refusal};
 use crate::event::{Event, MachineState, OverloadView, Response};
 use crate::frame::{self, FrameHeader};
@@ -147,7 +147,9 @@ impl Session {
         for command in &request.commands {
             match self.carry_out(command, must_stop, &mut events) {
                 Ok(()) => {}
-                Err(Refusal { message, place }) => events.push(Event::Refused { message, place }),
+                Err(Refusal { message, place }) => {
+                    events.push(Event::Refused { message, place: place.map(|place| *place) });
+                }
             }
             if matches!(command, Command::Advance { .. }) {
                 frame = Some(self.frame());
@@ -177,7 +179,8 @@ impl Session {
                 self.open(Document::open(name, text, &self.folder())?, events);
             }
             Command::New { machine } => {
-                let machine = machine.as_deref().or(self.document.patch().machine.as_ref().map(|name| &*name.value));
+                let machine =
+                    machine.as_deref().or(self.document.patch().machine.as_ref().map(|name| &*name.value));
                 let document = Document::empty(machine);
                 self.open(document, events);
             }
@@ -242,6 +245,18 @@ impl Session {
                 }
             }
             Command::Run => events.push(self.run_event()?),
+            Command::Advise => {
+                if let Some(report) = advise(self.document.patch()) {
+                    self.report = report;
+                }
+                events.push(self.findings_event());
+            }
+            Command::StaticCheck { seed } => {
+                let compiled = self.compiled.as_ref().ok_or_else(faulty)?;
+                events.push(
+                    view::static_check_event(&compiled.circuit, &compiled.program, *seed).map_err(refusal)?,
+                );
+            }
             edit => {
                 let before = self.value_to_restore(edit);
                 let change = self.document.apply(edit)?;
@@ -278,7 +293,8 @@ impl Session {
     fn open(&mut self, document: Document, events: &mut Vec<Event>) {
         self.document = document;
         (self.meter, self.null_meter) = (None, None);
-        self.bench.controls = bench::Controls { speed: self.bench.controls.speed, ..bench::Controls::default() };
+        self.bench.controls =
+            bench::Controls { speed: self.bench.controls.speed, ..bench::Controls::default() };
         self.use_patch(true);
         self.connect_usual_probes();
         events.extend(self.patch_events());
@@ -403,8 +419,7 @@ impl Session {
 
     /// The events about the patch, its faults, and the views that the page shows.
     fn patch_events(&self) -> Vec<Event> {
-        let findings = places::findings(&self.report, self.document.patch());
-        let mut events = vec![self.patch_event(), Event::Findings { findings }];
+        let mut events = vec![self.patch_event(), self.findings_event()];
         if self.shows.schematic {
             events.push(self.schematic_event());
         }
@@ -412,6 +427,11 @@ impl Session {
             events.extend(self.equations_event());
         }
         events
+    }
+
+    /// The event about the findings of the checker.
+    fn findings_event(&self) -> Event {
+        Event::Findings { findings: places::findings(&self.report, self.document.patch()) }
     }
 
     /// The event with the schematic.
@@ -443,9 +463,10 @@ impl Session {
     /// If the patch cannot run.
     fn run_event(&self) -> Result<Event, Refusal> {
         let compiled = compile(self.document.patch()).1;
-        let compiled = compiled.ok_or_else(|| refusal("the patch has faults; correct them first".to_owned()))?;
+        let compiled = compiled.ok_or_else(faulty)?;
         let settings = RunSettings::of(&compiled.circuit).map_err(|error| refusal(error.to_string()))?;
-        let trace = run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
+        let trace =
+            run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
         let mut csv = Vec::new();
         trace.write_csv(&mut csv).map_err(|error| refusal(error.to_string()))?;
         let overloads = trace.overloads().map(|overload| overload.element.clone()).collect();
@@ -473,7 +494,8 @@ impl Session {
     /// # Errors
     /// If the snapshot is not one of this version.
     fn restore(&mut self, snapshot: &Value, events: &mut Vec<Event>) -> Result<(), Refusal> {
-        let unreadable = |error: serde_json::Error| refusal(format!("the saved session cannot be read: {error}"));
+        let unreadable =
+            |error: serde_json::Error| refusal(format!("the saved session cannot be read: {error}"));
         if snapshot["protocol"] != PROTOCOL_VERSION {
             return Err(refusal("the saved session is of another version of the panel".to_owned()));
         }
@@ -541,12 +563,13 @@ impl Session {
         let outputs = &self.probes.0;
         let is_lit = |element: &str| overloads.iter().any(|overload| overload.element == element);
         let lamps: Vec<bool> = outputs.iter().map(|output| is_lit(&output.element)).collect();
-        let first_lamp = overloads.first().and_then(|overload| {
-            outputs.iter().position(|output| output.element == overload.element)
-        });
+        let first_lamp = overloads
+            .first()
+            .and_then(|overload| outputs.iter().position(|output| output.element == overload.element));
         let at = |name: &str| outputs.iter().position(|output| output.name == name).map(|index| volts[index]);
         let null = |(name, divider): &(String, f64)| Some(at(name)? - POT_SET_VOLTS * divider);
-        let (meter, null_meter) = (self.meter.as_deref().and_then(at), self.null_meter.as_ref().and_then(null));
+        let (meter, null_meter) =
+            (self.meter.as_deref().and_then(at), self.null_meter.as_ref().and_then(null));
         let header = FrameHeader {
             revision: self.document.revision() as u32,
             time: self.bench.clock(),
@@ -576,6 +599,11 @@ fn answer(id: Option<u64>, events: Vec<Event>, frame: Option<Vec<u8>>) -> Answer
     // All keys are texts and all numbers are finite or null, so this cannot fail.
     let text = serde_json::to_string(&response).unwrap_or_default();
     Answer { text, frame }
+}
+
+/// The refusal of a command that needs a patch without faults.
+fn faulty() -> Refusal {
+    refusal("the patch has faults; correct them first".to_owned())
 }
 
 /// A refusal that is not about a place at the panel.

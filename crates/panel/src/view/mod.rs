@@ -5,6 +5,7 @@ mod jacks;
 mod probes;
 mod quantities;
 mod settings;
+mod static_check;
 
 use patchcord_core::circuit::{Circuit, part_count};
 use patchcord_core::elements::{Family, Kind, OutputStage, REGISTRY};
@@ -22,6 +23,7 @@ use crate::wiring;
 pub use equations::equations;
 pub use probes::usual_scopes;
 use settings::SettingViewer;
+pub use static_check::static_check_event;
 
 /// The first event of a session.
 pub fn hello() -> Event {

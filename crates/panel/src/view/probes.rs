@@ -44,7 +44,10 @@ fn ordinates(picture: &PictureSpec) -> impl Iterator<Item = &str> {
 fn output_of(patch: &Patch, name: &str) -> Option<String> {
     let element = patch.signals.get(name).map_or(name, |signal| &signal.element.value);
     let outputs = wiring::outputs(patch);
-    outputs.into_iter().find(|output| output.element == element || output.name == element).map(|output| output.name)
+    outputs
+        .into_iter()
+        .find(|output| output.element == element || output.name == element)
+        .map(|output| output.name)
 }
 
 /// The usual controls with probes at these outputs.

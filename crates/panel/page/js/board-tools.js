@@ -1,0 +1,146 @@
+/** Tools of the patch panel: the line for cords, the palette of elements, and how the panel looks. */
+
+import { el } from './dom.js';
+import { faceplate } from './faceplate.js';
+import { bind } from './keys.js';
+import { toast } from './messages.js';
+import { send, state } from './state.js';
+
+const refusal = (events) => events.find(({ event }) => event === 'refused')?.message;
+
+/** @param {any} board what board.js has */
+export function mountTools(board) {
+  const { root, find, canvas, say, keep } = board;
+  const [field, slider, choice, lock, palette, search, list, names] = ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
+    '.board-palette', '.board-palette input', '.board-palette ul', 'datalist'].map(find);
+  const isLocked = () => canvas.dataset.lock === 'true';
+
+  /** What a name can be: an output, an input by its name or its label, or an element with one input. */
+  function named(text) {
+    const [, element, jack] = /^(.+)\.([^.]+)$/.exec(text) ?? [];
+    const inputs = board.stops.filter((one) => one.type === 'in' && (one.element === text || one.element === element));
+    const exact = inputs.find((one) => element && [one.jack, one.view.label].includes(jack));
+    const other = element ? { element, jack } : inputs.length === 1 && inputs[0];
+    return { from: board.stop(`out:${text}`) && text, exact, into: exact ?? (inputs.length > 0 && other) };
+  }
+  /** Carries out the line: "B1 P1.in", "P1.in <- B1" or "remove P1.in B1". */
+  async function enter(event) {
+    event.preventDefault();
+    const words = field.value.replace(/<-|->|→/g, ' ').trim().split(/\s+/);
+    const isRemoval = words[0] === 'remove' && Boolean(words.shift());
+    const [one, other] = [named(words[0] ?? ''), named(words[1] ?? '')];
+    const [{ from }, { into }] = one.from && other.into && !one.exact ? [one, other] : [other, one];
+    if (words.length !== 2 || !from || !into) {
+      say('Type an output and an input, such as B1 P1.in. The names are at the jacks.');
+      return;
+    }
+    const { element, jack } = into;
+    const refused = refusal(await send({ command: isRemoval ? 'unplug' : 'plug', element, jack, from }));
+    say(refused ?? `${isRemoval ? 'Removed the cord' : 'Plugged a cord'} from ${from} to ${element}.${jack}.`);
+    if (!refused) field.value = '';
+  }
+  /** Offers the names that can follow. */
+  function complete() {
+    const words = field.value.split(/\s+/).slice(0, -1);
+    const first = words.filter((word) => word !== 'remove' && !/<-|->/.test(word)).map(named);
+    const types = [['in', 'out'], [first[0]?.exact ? 'out' : 'in']][first.length] ?? [];
+    const fits = board.stops.filter(({ type }) => types.includes(type));
+    names.replaceChildren(...fits.map((one) => el('option', { value: [...words, board.nameOf(one)].join(' ') })));
+  }
+
+  // The palette.
+  let kinds = [];
+  let at = 0;
+  const left = (parts) => state.patch.parts.filter(({ key, available }) => parts.includes(key) && available !== null)
+    .map(({ key, used, available }) => `${Math.max(available - used, 0)} of ${available} ${key.replaceAll('_', ' ')} left`).join(', ');
+  function offer() {
+    const words = search.value.trim().toLowerCase();
+    const rows = kinds.filter(({ name, summary }) => `${name} ${summary}`.toLowerCase().includes(words))
+      .sort((one, other) => other.name.startsWith(words) - one.name.startsWith(words));
+    at = Math.max(0, Math.min(at, rows.length - 1));
+    list.replaceChildren(...rows.map(({ name, summary, parts }, index) => el('li', {
+      role: 'option', id: `kind-${name}`, 'aria-selected': String(index === at), class: left(parts).startsWith('0') && 'is-none', onclick: () => add(name),
+    }, el('b', null, name), el('span', null, left(parts)), el('span', null, summary))));
+    search.setAttribute('aria-activedescendant', rows.length ? `kind-${rows[at].name}` : '');
+    list.children[at]?.scrollIntoView({ block: 'nearest' });
+  }
+  function open(section) {
+    const all = state.hello?.kinds ?? [];
+    const fits = section ? all.filter(({ name, parts, prefix }) => section.kinds?.includes(name) || parts.includes(section.part) || (section.family && prefix === 'E')) : [];
+    kinds = fits.length ? fits : all;
+    [search.value, at] = ['', 0];
+    palette.showModal();
+    offer();
+  }
+  async function add(kind) {
+    palette.close();
+    const before = new Set(state.patch.elements.map(({ name }) => name));
+    const refused = refusal(await send({ command: 'add-element', kind, name: null }));
+    await board.render();
+    const made = state.patch.elements.find(({ name }) => !before.has(name))?.name;
+    say(refused ?? `Added ${made}, ${kind}.`);
+    board.focus(`module:${made}`);
+  }
+  board.add = (section) => (section.add ? add(section.add) : open(section));
+
+  function setLock(isOn) {
+    say('');
+    canvas.dataset.lock = keep('lock', isOn);
+    lock.setAttribute('aria-pressed', isOn);
+    lock.textContent = isOn ? 'Unlock' : 'Lock';
+    for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
+  }
+  async function clear() {
+    const refused = refusal(await send({ command: 'clear-cords' }));
+    if (!refused) toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
+  }
+  function look() {
+    const share = Number(keep('look') ?? 0.65);
+    canvas.style.setProperty('--cord', 2.5 + 5 * share);
+    canvas.style.setProperty('--cord-opacity', Math.min(0.3 + share, 1));
+  }
+  const run = { add: () => open(), lock: () => setLock(!isLocked()), clear };
+  const listen = (target, events, listener) => events.split(' ').forEach((event) => target.addEventListener(event, listener));
+  listen(find('.board-line'), 'submit', enter);
+  listen(field, 'input focus', complete);
+  listen(search, 'input', () => { at = 0; offer(); });
+  listen(search, 'keydown', (event) => {
+    const by = { ArrowDown: 1, ArrowUp: -1, Enter: 0 }[event.key];
+    if (by === undefined) return;
+    event.preventDefault();
+    at += by;
+    if (by) offer();
+    else list.children[at]?.click();
+  });
+  listen(palette, 'click', ({ target }) => { if (target === palette) palette.close(); });
+  listen(root, 'click', ({ target }) => {
+    run[target.dataset.do]?.();
+    if (target.dataset.zoom) board.zoom(Number(target.dataset.zoom));
+  });
+  slider.value = keep('look') ?? 0.65;
+  listen(slider, 'input', () => { keep('look', slider.value); look(); });
+  listen(choice, 'change', () => { keep(`plate.${state.patch.machine}`, choice.value); board.render(); });
+  look();
+  setLock(keep('lock') === 'true');
+  board.patched = (name) => { choice.value = name; };
+  faceplate('index').then((plates) => {
+    board.plates = plates;
+    choice.replaceChildren(...Object.entries(plates).map(([value, title]) => el('option', { value }, title)));
+    board.render();
+  });
+
+  const visit = (action) => () => {
+    if (!root.offsetParent) document.getElementById('tab-board').click();
+    if (!isLocked()) action();
+  };
+  const type = visit(() => field.focus());
+  bind('a', 'Add an element to the patch panel', visit(() => open()));
+  bind('/', 'Type a cord, such as B1 P1.in', type);
+  // C is Problem check elsewhere.
+  listen(root, 'keydown', (event) => {
+    if (event.key === 'Escape' && event.target === field) board.back();
+    if (event.key !== 'c' || event.ctrlKey || event.metaKey || event.target.closest('input, select')) return;
+    event.preventDefault();
+    type();
+  });
+}

@@ -1,0 +1,222 @@
+/** Patching by mouse, touch and keys. */
+
+import { curve, drawCord, keysOf } from './cords.js';
+import { highlight, isProbing, probed, send } from './state.js';
+
+/** Distance in pixels within which a jack or plug is taken, by the type of the pointer. */
+const REACH = { mouse: 13, pen: 18, touch: 24 };
+/** Pixels by which a pointer moves before it drags. */
+const STILL = 5;
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+const endOf = ({ type, element, jack, output }) => (type === 'out' ? { output } : { element, jack });
+const isJack = ({ type }) => type === 'in' || type === 'out';
+
+/** @param {any} board what board.js has */
+export function mountPatching(board) {
+  const { canvas, over, say, stop } = board;
+  const pointers = new Map();
+  let press = null;
+  let pinch = 0;
+  /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
+  let hand = null;
+  let draft = null;
+  let ring = null;
+
+  function isLocked() {
+    const locked = canvas.dataset.lock === 'true';
+    if (locked) say('The panel is locked. Press Unlock to patch.');
+    return locked;
+  }
+  /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
+  function nearest(event, test = () => true) {
+    const point = board.units(event);
+    let least = board.reach(REACH[event.pointerType] ?? REACH.mouse);
+    let found = null;
+    for (const one of [...board.plugs, ...board.stops.filter(isJack)]) {
+      const distance = Math.hypot(one.x - point.x, one.y - point.y);
+      if (distance < least && test(one)) [least, found] = [distance, one];
+    }
+    return found;
+  }
+  function take(fixed, cord, id, node) {
+    release();
+    hand = { fixed, cord, id, node, want: fixed.type === 'in' ? 'out' : 'in' };
+    canvas.dataset.want = hand.want;
+    fixed.node.classList.add('is-held');
+    node?.classList.add('is-lifted');
+    draft = drawCord(fixed, fixed, { class: `cord cord-${(board.colours.get(cord?.from ?? fixed.output) ?? 4) + 1} is-draft` });
+    over.append(draft);
+    board.hover(null, null);
+    say(`Cord from ${board.nameOf(fixed)}: choose an ${hand.want}put. Escape cancels.`);
+  }
+  /** Takes what is there: a plug out of its jack, a loose plug, or the first end of a new cord. */
+  function begin(hit, isNew) {
+    const { type, cord, moves, id, node } = hit;
+    if (type === 'loose') take(hit.fixed, undefined, id, node);
+    else if (type === 'plug' && !isNew) take(stop(keysOf(cord)[moves === 'in' ? 'out' : 'in']), cord, undefined, node);
+    else take(hit.jack?.node ? hit.jack : hit);
+  }
+  function release() {
+    if (!hand) return;
+    hand.fixed.node.classList.remove('is-held');
+    hand.node?.classList.remove('is-lifted');
+    draft.remove();
+    ring?.remove();
+    hand = null;
+    delete canvas.dataset.want;
+    say('');
+  }
+  /** Draws the cord in the hand to a jack or a point. */
+  function aim(goal, point = goal) {
+    ring?.remove();
+    ring = goal && board.ring(goal, goal.type === hand.want ? 'aim' : 'aim is-wrong');
+    for (const path of draft.querySelectorAll('path')) path.setAttribute('d', curve(hand.fixed, point));
+    draft.lastChild.setAttribute('transform', `translate(${point.x} ${point.y})`);
+  }
+  function plugInto(goal) {
+    const { fixed, want, cord, id } = hand;
+    release();
+    if (goal === fixed || (cord && Object.values(keysOf(cord)).includes(goal.key))) return;
+    if (goal.type !== want) board.bubble(`Both are ${goal.type}puts. A cord goes from an output to an input.`, goal);
+    else if (id !== undefined) send({ command: 'plug-loose', id, to: endOf(goal) });
+    else if (cord) send({ command: 'move-cord', ...cord, to: endOf(goal) });
+    else send({ command: 'plug', ...want === 'in' ? { from: fixed.output, ...endOf(goal) } : { from: goal.output, ...endOf(fixed) } });
+  }
+  /** Leaves the cord where it is dropped. */
+  function drop({ x, y }) {
+    const { fixed, cord, id } = hand;
+    release();
+    send(...id === undefined ? [] : [{ command: 'remove-loose', id }],
+      { command: 'loose-cord', end: endOf(fixed), at: [Math.round(x), Math.round(y)], ...cord && { replaces: cord } });
+  }
+  /** A click or Enter: the first one begins a cord, the second one ends it. A full jack gives its cord. */
+  function choose(hit) {
+    const jack = isJack(hit) ? hit : hit.fixed ? null : hit.jack;
+    if (isProbing()) {
+      if (jack?.type === 'out') probed(jack.output);
+    } else if (hand) {
+      if (jack) plugInto(jack);
+      else release();
+    } else if (!isLocked()) {
+      const isFull = jack?.node.classList.contains('is-full');
+      begin(isFull ? board.plugs.find((plug) => plug.jack === jack && plug.moves) ?? jack : hit, !isFull);
+    }
+  }
+  function click({ hit, key, knob }) {
+    if (hit) {
+      board.focus(hit.key ?? hit.jack.key);
+      choose(hit);
+      return;
+    }
+    const isBusy = hand !== null;
+    release();
+    board.focus(key);
+    if (knob) highlight({ element: knob, setting: 'setting' });
+    const one = stop(key);
+    if (one?.type === 'free' && !isBusy && !isLocked()) board.add(one.section);
+  }
+
+  const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
+  listen('pointerdown', (event) => {
+    if (event.button) return;
+    const { pointerId, clientX, clientY, target } = event;
+    pointers.set(pointerId, [clientX, clientY]);
+    if (pointers.size > 1) {
+      if (press?.isDragging) release();
+      press = null;
+      return;
+    }
+    canvas.setPointerCapture(pointerId);
+    press = { at: [clientX, clientY], hit: nearest(event), key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob };
+  });
+  listen('pointermove', (event) => {
+    const { clientX, clientY, pointerId, target, pointerType } = event;
+    const before = pointers.get(pointerId);
+    if (before) pointers.set(pointerId, [clientX, clientY]);
+    if (pointers.size > 1) {
+      const [[ax, ay], [bx, by]] = pointers.values();
+      const distance = Math.hypot(ax - bx, ay - by);
+      if (pinch) zoomAt(distance / pinch, (ax + bx) / 2, (ay + by) / 2);
+      pinch = distance;
+      return;
+    }
+    if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
+      press.isMoved = true;
+      press.isDragging = press.hit !== null && !isLocked();
+      if (press.isDragging) begin(press.hit, event.shiftKey || event.ctrlKey);
+    }
+    if (hand && (!press || press.isDragging)) {
+      const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
+      aim(goal, goal ?? board.units(event));
+    } else if (press?.isMoved && before) {
+      board.pan(clientX - before[0], clientY - before[1]);
+    } else if (!press && pointerType === 'mouse') {
+      const hit = nearest(event);
+      board.hover((hit?.type === 'plug' ? stop(keysOf(hit.cord).cord) : hit) ?? stop(target.closest('[data-key]')?.dataset.key) ?? null);
+    }
+  });
+  listen('pointerup pointercancel', (event) => {
+    pointers.delete(event.pointerId);
+    pinch = 0;
+    const done = press;
+    press = null;
+    if (!done || event.type === 'pointercancel') {
+      if (done?.isDragging) release();
+    } else if (done.isDragging && hand) {
+      const goal = nearest(event, isJack);
+      board.focus((goal ?? hand.fixed).key);
+      if (goal) plugInto(goal);
+      else drop(board.units(event));
+    } else if (!done.isMoved) click(done);
+  });
+  listen('pointerleave', () => { if (!press) board.hover(null); });
+  // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
+  listen('mousedown touchstart', (event) => event.preventDefault(), { passive: false });
+  listen('wheel', (event) => {
+    if (!event.ctrlKey && !board.hasFocus()) return;
+    event.preventDefault();
+    zoomAt(Math.exp(-event.deltaY / 400), event.clientX, event.clientY);
+  }, { passive: false });
+  function zoomAt(factor, clientX, clientY) {
+    const box = canvas.getBoundingClientRect();
+    board.zoom(factor, clientX - box.x, clientY - box.y);
+  }
+
+  /** The nearest place in a direction. Cords follow each other in their order. */
+  function next(from, [dx, dy]) {
+    const all = board.stops.filter(({ type }) => (type === 'cord') === (from.type === 'cord'));
+    if (from.type === 'cord') return all.at((all.indexOf(from) + dx + dy) % all.length);
+    const cost = (one) => {
+      const along = (one.x - from.x) * dx + (one.y - from.y) * dy;
+      return along > 4 ? along + 2.5 * Math.abs((one.x - from.x) * dy + (one.y - from.y) * dx) : Infinity;
+    };
+    return all.reduce((best, one) => (cost(one) < cost(best) ? one : best), from);
+  }
+  function remove(one) {
+    const own = board.plugs.filter(({ jack, cord }) => jack === one && cord);
+    if (!isJack(one)) board.remove(one);
+    else if (own.length === 1 || (own.length && one.type === 'in')) board.remove(stop(keysOf(own.at(-1).cord).cord));
+    else say(own.length ? 'There are several cords. Press Tab and choose one of the cords.' : 'There is no cord in this jack.');
+  }
+  /** Returns whether the panel uses the key. */
+  function key(name, one) {
+    if (name === 'Escape' && hand) release();
+    else if (ARROWS[name]) {
+      const goal = next(one, ARROWS[name]);
+      board.focus(goal.key);
+      if (hand && isJack(goal)) aim(goal);
+    } else if (name === 'Enter' || name === ' ') {
+      if (isJack(one) || one.type === 'loose') choose(one);
+      else if (one.type === 'free' && !isLocked()) board.add(one.section);
+    } else if (name === 'Delete' || name === 'Backspace') {
+      if (one.type !== 'free' && !isLocked()) remove(one);
+    } else return false;
+    return true;
+  }
+  listen('keydown', (event) => {
+    const one = stop(event.target.dataset.key);
+    if (one && !event.ctrlKey && !event.metaKey && !event.altKey && key(event.key, one)) event.preventDefault();
+  });
+  board.release = release;
+}
