@@ -23,7 +23,7 @@ export function reading(volts, { signal, unit, per_volt: perVolt }, per = '', di
 export function layout(width, height, ratio, margin, isPlane) {
   const [free, high] = [Math.floor((width - 1.4 * margin) / ACROSS), Math.floor((height - 2 * margin) / UP)];
   const least = Math.max(4, Math.min(free, high));
-  const [dx, dy] = [isPlane ? least : Math.max(4, free), isPlane || high < 4 ? least : Math.min(high, 1.2 * free)];
+  const [dx, dy] = [isPlane ? least : Math.max(4, free), isPlane || high < 4 ? least : Math.min(high, 1.7 * free)];
   const [across, up] = [ACROSS * dx, UP * dy];
   const most = 0.48 * (width - 1.4 * margin);
   return { width, height, ratio, most, dx, dy, across, up, x: Math.round((width - across) / 2), y: Math.round((height - up) / 2) };
