@@ -29,6 +29,9 @@ export function svg(tag, attributes, ...children) {
   return fill(document.createElementNS(SVG, tag), attributes, children);
 }
 
+/** The value, or the end of the range that is nearest. */
+export const within = (low, value, high) => Math.min(high, Math.max(low, value));
+
 export const byId = (id) => document.getElementById(id);
 
 /** A copy of a template of index.html, and its parts by the names in `data-part`. @returns {Record<string, any>} */
@@ -42,6 +45,13 @@ export function write(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** Puts a box that floats at a place of the window, or as near as it fits. */
+export function float(box, x, y) {
+  const { width, height } = box.getBoundingClientRect();
+  box.style.left = `${within(8, x, innerWidth - width - 8)}px`;
+  box.style.top = `${within(8, y, innerHeight - height - 8)}px`;
+}
+
 /** A field with its label: `label('Length', input, 's')`. */
 export function label(text, control, unit) {
   return el('label', { class: 'field' },
@@ -53,8 +63,6 @@ export function label(text, control, unit) {
 export function button(text, onclick, attributes) {
   return el('button', { type: 'button', onclick, ...attributes }, text);
 }
-
-export const within = (low, value, high) => Math.min(high, Math.max(low, value));
 
 /** A number with so many significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
 export function format(number, digits = 4) {

@@ -1,6 +1,6 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { button, el, quantity } from './dom.js';
+import { byId, el, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { emit, highlight, on, send, state } from './state.js';
@@ -133,16 +133,15 @@ function equation(text) {
 
 /** Shows the equations. @param {HTMLElement} root */
 export function mountEquations(root) {
-  const copy = (name, text) => button(`Copy ${name}`, () => navigator.clipboard.writeText(text())
-    .then(() => toast(`The equations are copied as ${name}.`, 'note'), () => toast('The browser does not permit copying.')), { class: 'small' });
-  const message = el('p', { class: 'eq-message', role: 'status' });
-  const body = el('div', { class: 'eq-body' });
-  root.classList.add('equations-view');
-  root.replaceChildren(message, body);
-
+  const [message, more, body] = ['.eq-message', '.eq-more', '.eq-body'].map((name) => root.querySelector(name));
+  const copies = [['text', () => state.equations.equations.map(({ text }) => text).join('\n')], ['LaTeX', () => state.equations.latex]];
+  body.querySelectorAll('button').forEach((each, at) => {
+    const [name, text] = copies[at];
+    each.onclick = () => navigator.clipboard.writeText(text()).then(() => toast(`The equations are copied as ${name}.`, 'note'),
+      () => toast('The browser does not permit copying.'));
+  });
   const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, el('span', null, hint));
   const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' }, el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
-  const section = (title, ...content) => el('section', null, el('div', { class: 'eq-head' }, el('h2', null, title), content.splice(0, content.length - 2)), content);
   const show = async () => {
     const { equations: view, findings } = state;
     if (!view) return;
@@ -154,13 +153,11 @@ export function mountEquations(root) {
     const lines = faults.length ? (await send({ command: 'text' })).find(({ event }) => event === 'text')?.text.split('\n') : null;
     // A finding says where its equation is in the text of the patch.
     const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
-    const rest = faults.filter((each) => !view.stated.some((text) => isOf(text)(each)));
-    const more = view.more.trim();
-    body.replaceChildren(section('Solved by the wiring',
-      copy('text', () => view.equations.map(({ text }) => text).join('\n')), copy('LaTeX', () => view.latex),
-      el('ul', { class: 'eq-list' }, view.equations.map(({ text }) => row(text))),
-      more && el('pre', { class: 'eq-more', tabindex: 0, 'aria-label': 'Values at the start, drives and remarks' }, more)));
-    if (view.stated.length) body.append(section('Stated by the patch', rest.map(fault), el('ul', { class: 'eq-list' }, view.stated.map((text) => row(text, faults.filter(isOf(text)))))));
+    byId('eq-solved').replaceChildren(...view.equations.map(({ text }) => row(text)));
+    more.textContent = view.more.trim();
+    byId('eq-faults').replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
+    byId('eq-stated').replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
+    byId('eq-stated').parentElement.hidden = !view.stated.length;
   };
   // A knob that is turned changes no name, so that the buttons stay and keep the focus.
   let drawn = '';

@@ -1,6 +1,6 @@
 /** Probes: where they are, and the menu that places them. */
 
-import { button, el } from './dom.js';
+import { button, el, float } from './dom.js';
 import { emit, isProbing, on, probed, send, state } from './state.js';
 
 /** Where the meters are. The event `meter` connects one: meters.js sends the command. */
@@ -66,9 +66,6 @@ export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
   document.querySelector('.probe-menu')?.remove();
   document.body.append(menu);
   const box = at.getBoundingClientRect();
-  const { width, height } = menu.getBoundingClientRect();
-  const within = (value, size, whole) => `${Math.max(8, Math.min(value, whole - size - 8))}px`;
-  menu.style.left = within(clientX || box.left, width, innerWidth);
-  menu.style.top = within((clientY || box.bottom) + 6, height, innerHeight);
+  float(menu, clientX || box.left, (clientY || box.bottom) + 6);
   items[0].focus({ preventScroll: true });
 }
