@@ -1,7 +1,7 @@
 /** The controls of the patch: parameters, pots, switches, initial conditions and other settings. */
 
 import { dial } from './dial.js';
-import { button, el, fill, template } from './dom.js';
+import { button, byId, el, fill, template, write } from './dom.js';
 import { highlight, on, send } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
@@ -80,7 +80,7 @@ function show(found, mark) {
 }
 
 /** Puts a dial on a card, with the formula behind it or the elements that it turns. Returns how it is updated. */
-function dialOn({ control, law, unlock, warning, turns }, { key, place, title, about, unit, view }, set, reset) {
+function dialOn({ control, lines, law, unlock, turns }, { key, place, title, about, unit, view }, set, reset) {
   const isPot = place.setting === 'setting';
   let present = view;
   const knob = dial({
@@ -100,12 +100,10 @@ function dialOn({ control, law, unlock, warning, turns }, { key, place, title, a
     if (!is) unlocked.delete(key);
     const isLocked = is && !unlocked.has(key);
     const turned = patch.elements.filter(({ settings }) => settings.some(({ parameters }) => parameters.includes(place.parameter)));
-    law.textContent = one.text;
-    turns.textContent = turned.length ? `turns ${turned.map(({ name }) => name).join(', ')}` : '';
-    law.hidden = !is;
-    unlock.hidden = !isLocked;
-    warning.hidden = !is || isLocked;
-    turns.hidden = is;
+    write(law, one.text ?? '');
+    write(turns, turned.length ? `turns ${turned.map(({ name }) => name).join(', ')}` : '');
+    if (is) lines.dataset.formula = isLocked ? 'locked' : 'unlocked';
+    else delete lines.dataset.formula;
     knob.lock(isLocked);
   };
   fill(unlock, {
@@ -113,8 +111,7 @@ function dialOn({ control, law, unlock, warning, turns }, { key, place, title, a
     onclick() {
       unlocked.add(key);
       knob.note('');
-      unlock.hidden = true;
-      warning.hidden = false;
+      lines.dataset.formula = 'unlocked';
       knob.lock(false);
       knob.knob.focus();
     },
@@ -176,37 +173,33 @@ export function potCard(output, patch) {
   return { node, refresh };
 }
 
-/** Draws all groups. */
-function build(root) {
-  cards.clear();
-  for (const control of controls) cards.set(control.key, cardOf(control));
-  const groups = GROUPS.map((heading, group) => {
-    const own = controls.filter((control) => control.group === group).map(({ key }) => cards.get(key).node);
-    return own.length > 0 && el('details', { class: 'knob-group', open: group < 4 },
-      el('summary', {}, heading, el('small', {}, own.length)), el('div', { class: 'knob-grid' }, own));
-  });
-  const filter = el('input', {
-    type: 'search', class: 'knob-filter', placeholder: 'Filter', 'aria-label': 'Filter the controls',
-    oninput() {
-      const words = filter.value.toLowerCase().split(/\s+/);
-      for (const { node } of cards.values()) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
-      for (const group of root.querySelectorAll('details')) {
-        group.hidden = !group.querySelector('.knob:not([hidden])');
-        group.open ||= filter.value !== '';
-      }
-    },
-  });
-  root.replaceChildren();
-  fill(root, null, [controls.length > FILTERED && filter, ...groups, !controls.length && el('p', {}, 'This patch has nothing to turn. Add a pot or a parameter.')]);
-}
-
-/** Shows the controls of the patch. @param {HTMLElement} root */
-export function mountKnobs(root) {
+/** Shows the controls of the patch. */
+export function mountKnobs() {
+  const [filter, root] = [byId('knob-filter'), byId('knob-groups')];
   let drawn = '';
+  const build = () => {
+    cards.clear();
+    for (const control of controls) cards.set(control.key, cardOf(control));
+    root.replaceChildren(...GROUPS.flatMap((heading, group) => {
+      const own = controls.filter((control) => control.group === group).map(({ key }) => cards.get(key).node);
+      return own.length ? [el('details', { class: 'knob-group', open: group < 4 },
+        el('summary', {}, heading, el('small', {}, own.length)), el('div', { class: 'knob-grid' }, own))] : [];
+    }));
+    filter.value = '';
+    filter.hidden = controls.length <= FILTERED;
+  };
+  filter.oninput = () => {
+    const words = filter.value.toLowerCase().split(/\s+/);
+    for (const { node } of cards.values()) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
+    for (const group of root.children) {
+      group.hidden = !group.querySelector('.knob:not([hidden])');
+      group.open ||= filter.value !== '';
+    }
+  };
   on('patch', (patch) => {
     // Cards are kept while their controls are the same: a dial that is being turned must stay.
     const form = JSON.stringify(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]));
-    if (form !== drawn) build(root);
+    if (form !== drawn) build();
     drawn = form;
     for (const { key, view } of controls) cards.get(key).update(view, patch);
   });

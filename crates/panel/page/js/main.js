@@ -131,7 +131,7 @@ mountMessages(start);
 mountFiles();
 for (const index of [0, 1]) mountScope(byId(`scope-${index + 1}`), index);
 mountMeters();
-mountKnobs(byId('knobs'));
+mountKnobs();
 mountLamps(byId('lamps'));
 mountSchematic(byId('schematic'));
 mountBoard(byId('board'));

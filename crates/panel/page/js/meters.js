@@ -5,36 +5,10 @@ import { byId, el, fill, format, quantity, template, within, write } from './dom
 import { potCard } from './knobs.js';
 import { emit, on, selectProbe, send, state } from './state.js';
 
-/** Natural frequency of a needle in radians per second, and its damping: it settles in 0.2 s and overshoots by 1.5 %. */
-const [FREQUENCY, DAMPING] = [25, 0.8];
 /** The angle from the middle to an end of a scale, in degrees. */
 const SWEEP = 45;
 /** Milliseconds between changes of the digits; faster ones cannot be read. */
 const DIGITS = 120;
-
-/** Moves a needle to fractions of its scale, as a coil in a magnet would. */
-function moving(needle) {
-  let [at, speed, target, last, isMoving] = [0, 0, 0, 0, false];
-  const step = (now) => {
-    const seconds = Math.min((now - last) / 1000, 0.05) / 12;
-    last = now;
-    for (let index = 0; index < 12; index += 1) {
-      speed += (FREQUENCY * (target - at) - 2 * DAMPING * speed) * FREQUENCY * seconds;
-      at += speed * seconds;
-    }
-    isMoving = Math.abs(target - at) > 2e-4 || Math.abs(speed) > 1e-2;
-    if (isMoving) requestAnimationFrame(step);
-    else at = target;
-    needle.style.transform = `rotate(${SWEEP * at}deg)`;
-  };
-  return (fraction) => {
-    target = within(-1.06, fraction || 0, 1.06);
-    if (isMoving || target === at) return;
-    isMoving = true;
-    last = performance.now();
-    requestAnimationFrame(step);
-  };
-}
 
 /** Volts with five digits, of which at most four are decimals. */
 function fiveDigits(volts) {
@@ -48,7 +22,6 @@ function fiveDigits(volts) {
  */
 function meterOf(command, title, connect) {
   const { node, needle, digits, volts, more, outputs, list, probe } = template('meter');
-  const move = moving(needle);
   let [full, drawn, last] = [1, '', 0];
   const choose = (output) => emit('meter', { meter: command, output: output || null });
   fill(digits, { 'aria-label': title });
@@ -86,7 +59,7 @@ function meterOf(command, title, connect) {
       choose(present.some(({ name }) => name === before) ? before : otherwise);
     },
     show(value, words) {
-      move(value / full);
+      needle.style.transform = `rotate(${SWEEP * within(-1.06, value / full || 0, 1.06)}deg)`;
       const now = performance.now();
       if (now - last < DIGITS) return;
       last = now;
