@@ -1,5 +1,8 @@
 //! The pages of the panel, as bytes in the program.
 
+/// The MIME type of scripts.
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
 /// A file of the panel's pages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Page {
@@ -10,7 +13,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// Its content as it is sent: scripts and style sheets without lines of comments and without indentation.
+    /// Its content as it is sent: scripts and style sheets without lines of comments and without indentation, and
+    /// scripts without most of the blanks that separate nothing.
     ///
     /// No text in them spans lines, which a test asserts, so this changes nothing else.
     pub fn content(&self) -> String {
@@ -21,7 +25,11 @@ impl Page {
         for line in self.text.lines().map(str::trim) {
             is_comment |= line.starts_with("/*");
             if !is_comment && !line.is_empty() && !line.starts_with("//") {
-                content.push_str(line);
+                if self.kind() == SCRIPT {
+                    push_without_blanks(&mut content, line);
+                } else {
+                    content.push_str(line);
+                }
                 content.push('\n');
             }
             is_comment &= !line.ends_with("*/");
@@ -34,11 +42,50 @@ impl Page {
         match self.path.rsplit_once('.').map_or("", |(_, ending)| ending) {
             "css" => "text/css; charset=utf-8",
             "html" => "text/html; charset=utf-8",
-            "js" => "text/javascript; charset=utf-8",
+            "js" => SCRIPT,
             "json" => "application/json",
             "svg" => "image/svg+xml",
             _ => "application/octet-stream",
         }
+    }
+}
+
+/// Whether a blank next to this character of a script has no meaning.
+fn is_punctuation(character: char) -> bool {
+    "{}()[],;:?=<>&|!*".contains(character)
+}
+
+/// Appends a line of a script without blanks next to punctuation. Texts stay as they are, and so does the rest of the
+/// line from a template, or from a slash, with which a regular expression can begin.
+fn push_without_blanks(content: &mut String, line: &str) {
+    let mut quote = None;
+    let mut before = '\n';
+    let mut characters = line.char_indices().peekable();
+    while let Some((at, character)) = characters.next() {
+        match (quote, character) {
+            (None, '`' | '/') => {
+                content.push_str(&line[at..]);
+                return;
+            }
+            (None, '\'' | '"') => quote = Some(character),
+            (None, ' ') => {
+                let next = characters.peek().map_or(' ', |&(_, next)| next);
+                if is_punctuation(before) || is_punctuation(next) {
+                    continue;
+                }
+            }
+            (Some(end), _) if character == end => quote = None,
+            (Some(_), '\\') => {
+                content.push(character);
+                if let Some((_, escaped)) = characters.next() {
+                    content.push(escaped);
+                }
+                continue;
+            }
+            _ => {}
+        }
+        content.push(character);
+        before = character;
     }
 }
 
@@ -170,8 +217,25 @@ mod tests {
     fn comments_and_indentation_are_not_sent() {
         let text = "/** Adds. */\n  const a = 1; // kept\n\n/*\n * b\n */\n// c\nadd(a);\n";
         let page = Page { path: "a.js", text };
-        assert_eq!(page.content(), "const a = 1; // kept\nadd(a);\n");
+        assert_eq!(page.content(), "const a=1;// kept\nadd(a);\n");
         assert_eq!(Page { path: "a.json", text }.content(), text);
+    }
+
+    #[test]
+    fn blanks_next_to_punctuation_are_not_sent() {
+        let lines = [
+            ("if (a) b = { c: [1, 2], d: -e };", "if(a)b={c:[1,2],d:-e};"),
+            ("return a + -b;", "return a + -b;"),
+            (r#"say('a, b', "c = 'd' ", e );"#, r#"say('a, b',"c = 'd' ",e);"#),
+            (r"say('it\'s , so', a);", r"say('it\'s , so',a);"),
+            ("const a = `b, ${c ? `d, e` : f} `;", "const a=`b, ${c ? `d, e` : f} `;"),
+            ("f(a, b / 2, /c , d/u);", "f(a,b / 2, /c , d/u);"),
+            ("say('−', a);", "say('−',a);"),
+        ];
+        for (text, sent) in lines {
+            let page = Page { path: "a.js", text };
+            assert_eq!(page.content(), format!("{sent}\n"));
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 /** One dial: a knob with a scale, and a field in which its value can be typed exactly. */
 
-import { el, format, svg } from './dom.js';
+import { fill, format, template, within } from './dom.js';
 
 /** The angle from the top to an end of the scale of a dial of one turn, in degrees. */
 const SWEEP = 135;
@@ -11,12 +11,6 @@ let scrolled = -SCROLLING;
 addEventListener('wheel', (event) => {
   if (!event.target.closest?.('.dial')) scrolled = event.timeStamp;
 }, { passive: true, capture: true });
-
-const within = (low, value, high) => Math.min(high, Math.max(low, value));
-const hasUnit = (unit) => unit && unit !== '1';
-
-/** The ends of so many equal parts of 1. */
-export const equal = (parts) => Array.from({ length: parts + 1 }, (_, index) => index / parts);
 
 /** The next 1, 2 or 5 times a power of 10. */
 function roundUp(value) {
@@ -59,34 +53,22 @@ function scaleOf({ range, whole, digits }) {
   return scale;
 }
 
-/** The dashes that mark these positions on a path of length 1. */
-export function dashes(positions, width) {
-  const starts = positions.map((position) => within(0, position - width / 2, 1 - width));
-  return `0 ${starts.map((start, index) => `${start - (index ? starts[index - 1] + width : 0)} ${width}`).join(' ')} 9`;
-}
-
-/** The positions of marks: decades and their multiples on a logarithmic scale, otherwise equal parts. */
-function marks({ log, low, high, position }, isLong) {
-  if (!log) return equal(isLong ? 10 : 50);
-  const values = [];
+/** Draws the marks of a scale: equal parts, or decades and their multiples. */
+function drawMarks(path, { log, low, high, position }, isLong) {
+  fill(path, { pathLength: log ? 1 : isLong ? 10 : 50 });
+  if (!log) return;
+  const [dashes, width] = [[], isLong ? 0.006 : 0.003];
+  let end = 0;
   for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; decade += 1) {
-    for (let factor = 1; factor < (isLong ? 2 : 10); factor += 1) values.push(factor * 10 ** decade);
+    for (let factor = 1; factor < (isLong ? 2 : 10); factor += 1) {
+      const value = factor * 10 ** decade;
+      if (value < low * 0.999 || value > high * 1.001) continue;
+      const start = within(0, position(value) - width / 2, 1 - width);
+      dashes.push(start - end, width);
+      end = start + width;
+    }
   }
-  return values.filter((value) => value > low * 0.999 && value < high * 1.001).map(position);
-}
-
-/** Draws a dial and returns the parts that change. A dial of many turns has a skirt below a fixed mark. */
-function drawing(isMany) {
-  const arc = (name) => svg('path', { class: `dial-${name}`, d: 'M-35.36 35.36A50 50 0 1 1 35.36 35.36', pathLength: 1 });
-  const ring = (name, r, pathLength) => svg('circle', { class: `dial-${name}`, r, pathLength, transform: 'rotate(-90)' });
-  const [filled, long, short] = ['filled', 'long', 'short'].map(arc);
-  const ends = [-41, 41].map((x) => svg('text', { class: 'dial-end', x, y: 54 }));
-  const turning = svg('g', {}, isMany && [ring('fine', 40, 100), ring('coarse', 39, 10),
-    ...equal(9).map((_, digit) => svg('text', { class: 'dial-numeral', y: -27.5, transform: `rotate(${-36 * digit})` }, digit))],
-  ring('knurl', isMany ? 21 : 34, 36), svg('path', { class: 'dial-pointer', d: isMany ? 'M0-8V-18' : 'M0-14V-31' }));
-  const picture = svg('svg', { viewBox: '-64 -60 128 120', 'aria-hidden': 'true' }, arc('track'), filled, !isMany && [short, long], turning,
-    isMany && svg('path', { class: 'dial-index', d: 'M-3.5-51H3.5L0-41Z' }), ends);
-  return { picture, filled, long, short, turning, ends };
+  fill(path, { 'stroke-dasharray': `0 ${dashes.join(' ')} 9` });
 }
 
 /** Reads a number as in JSON, and perhaps its unit. Returns the number, or what is wrong. */
@@ -94,7 +76,7 @@ function typed(text, unit) {
   const [, number, suffix] = /^\s*(-?(?:0|[1-9]\d*)(?:\.\d+)?(?:e[+-]?\d+)?)\s*((?![\d.,]).*?)\s*$/i.exec(text) ?? [];
   if (number === undefined) return `"${text.trim()}" is not a number. Write it as 2.5, -3 or 1e-3.`;
   if (!suffix || suffix === unit) return Number(number);
-  return hasUnit(unit) ? `The unit is ${unit}, not ${suffix}.` : 'This number has no unit.';
+  return unit ? `The unit is ${unit}, not ${suffix}.` : 'This number has no unit.';
 }
 
 /**
@@ -104,12 +86,13 @@ function typed(text, unit) {
  *   turned: (value: number) => Promise<any[]>, reset?: () => void, blocked?: () => void}} options
  */
 export function dial(options) {
-  const { label, unit, perTurn, digits } = options;
+  const { label, perTurn, digits } = options;
+  const unit = options.unit === '1' ? '' : options.unit ?? '';
   const scale = scaleOf(options);
-  const parts = drawing(Boolean(perTurn));
-  let [shown, latest, position, open, ends] = [NaN, undefined, 0, 0, ''];
+  const { node, knob, filled, long, short, turning, low, high, field, unitText, message } = template(perTurn ? 'dial-many' : 'dial');
+  let [shown, latest, position, open, ends, drag] = [NaN, undefined, 0, 0, '', null];
   let [isQueued, isEdited, isRefused, isLocked] = [false, false, false, false];
-  let drag = null;
+  unitText.textContent = unit;
 
   const written = (value) => (digits ? value.toFixed(digits) : format(value, 6));
   const note = (text) => {
@@ -118,16 +101,16 @@ export function dial(options) {
   };
 
   function drawScale() {
-    const { low, high } = scale;
-    if (ends === `${low} ${high}` || Number.isNaN(low)) return;
-    ends = `${low} ${high}`;
-    [low, high].forEach((end, index) => {
-      const text = format(end, 3);
-      parts.ends[index].textContent = (text.replace('-', '').length > 6 ? end.toExponential().replace('e+', 'e') : text).replace(/^-/, '−');
-      knob.setAttribute(`aria-value${index ? 'max' : 'min'}`, end);
-    });
-    parts.long.setAttribute('stroke-dasharray', dashes(marks(scale, true), 0.006));
-    parts.short.setAttribute('stroke-dasharray', dashes(marks(scale, false), 0.003));
+    if (ends === `${scale.low} ${scale.high}` || Number.isNaN(scale.low)) return;
+    ends = `${scale.low} ${scale.high}`;
+    for (const [text, end, name] of [[low, scale.low, 'min'], [high, scale.high, 'max']]) {
+      const short = format(end, 3);
+      text.textContent = (short.replace('-', '').length > 6 ? end.toExponential().replace('e+', 'e') : short).replace(/^-/, '−');
+      fill(knob, { [`aria-value${name}`]: end });
+    }
+    if (perTurn) return;
+    drawMarks(long, scale, true);
+    drawMarks(short, scale, false);
   }
 
   function draw(value) {
@@ -137,11 +120,10 @@ export function dial(options) {
     drawScale();
     const at = isKnown ? scale.position(value) : 0;
     const zero = scale.low < 0 && scale.high > 0 ? scale.position(0) : 0;
-    parts.filled.setAttribute('stroke-dasharray', `0 ${Math.min(at, zero)} ${Math.abs(at - zero)} 9`);
-    parts.turning.style.transform = `rotate(${perTurn ? 360 * (value || 0) / perTurn : (2 * at - 1) * SWEEP}deg)`;
+    fill(filled, { 'stroke-dasharray': `0 ${Math.min(at, zero)} ${Math.abs(at - zero)} 9` });
+    turning.style.transform = `rotate(${perTurn ? 360 * (value || 0) / perTurn : (2 * at - 1) * SWEEP}deg)`;
     if (!isEdited) field.value = isKnown ? written(value) : '';
-    knob.setAttribute('aria-valuenow', value || 0);
-    knob.setAttribute('aria-valuetext', isKnown ? `${written(value)} ${hasUnit(unit) ? unit : ''}`.trim() : 'unknown');
+    fill(knob, { 'aria-valuenow': value || 0, 'aria-valuetext': isKnown ? `${written(value)} ${unit}`.trim() : 'unknown' });
   }
 
   /** Shows the value of the session. While a turn is under way, answers are about earlier values. */
@@ -192,14 +174,8 @@ export function dial(options) {
     turn(value === shown ? within(scale.low, shown + Math.sign(by) * scale.step(), scale.high) : value);
   }
 
-  function release() {
-    if (!drag) return;
-    drag = null;
-    show(latest);
-  }
-
-  const knob = el('div', {
-    class: perTurn ? 'dial is-many' : 'dial', role: 'slider', tabindex: 0, 'aria-label': label,
+  fill(knob, {
+    'aria-label': label,
     onpointerdown(event) {
       if (event.button || !mayTurn()) return;
       knob.setPointerCapture(event.pointerId);
@@ -221,9 +197,11 @@ export function dial(options) {
       position = within(0, position + by * (shiftKey ? 0.1 : 1), 1);
       turn(scale.value(position, shiftKey));
     },
-    onpointerup: release,
-    onpointercancel: release,
-    onlostpointercapture: release,
+    // This event follows when the pointer goes up and when it is cancelled.
+    onlostpointercapture() {
+      drag = null;
+      show(latest);
+    },
     ondblclick: () => options.reset?.(),
     onwheel(event) {
       if (event.timeStamp - scrolled < SCROLLING || event.ctrlKey) return;
@@ -237,7 +215,7 @@ export function dial(options) {
       event.preventDefault();
       nudge(by, event.shiftKey);
     },
-  }, parts.picture);
+  });
 
   function enter() {
     if (!field.value.trim()) isEdited = false;
@@ -248,8 +226,8 @@ export function dial(options) {
     return draw(answer);
   }
 
-  const field = el('input', {
-    autocomplete: 'off', spellcheck: 'false', enterkeyhint: 'done', 'aria-label': `${label}, exact value`,
+  fill(field, {
+    'aria-label': `${label}, exact value`,
     onfocus() {
       if (!isEdited && !Number.isNaN(shown)) field.value = shown;
       field.select();
@@ -264,16 +242,13 @@ export function dial(options) {
       draw(shown);
     },
   });
-  const message = el('p', { class: 'dial-message', role: 'status' });
-  const node = el('div', { class: 'dial-set' }, knob, el('div', { class: 'dial-window' }, field, hasUnit(unit) && el('span', {}, unit)), message);
 
   return {
     node, knob, show, note,
     lock(on) {
-      isLocked = on;
-      field.readOnly = on;
+      isLocked = field.readOnly = on;
       node.classList.toggle('is-locked', on);
-      knob.setAttribute('aria-readonly', on);
+      knob.ariaReadOnly = on;
     },
   };
 }

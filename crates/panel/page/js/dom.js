@@ -8,14 +8,14 @@ const SVG = 'http://www.w3.org/2000/svg';
  * @param {Record<string, any> | null} attributes
  * @param {any[]} children elements, texts and numbers; null and false are left out
  */
-function fill(element, attributes, children) {
+export function fill(element, attributes, children = []) {
   for (const [name, value] of Object.entries(attributes ?? {})) {
-    if (value === null || value === undefined || value === false) continue;
+    if ((value ?? false) === false) continue;
     if (typeof value === 'function') element.addEventListener(name.slice(2), value);
     else if (name === 'value') element.value = value;
     else element.setAttribute(name, value === true ? '' : String(value));
   }
-  element.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
+  element.append(...children.flat().filter((child) => (child ?? false) !== false));
   return element;
 }
 
@@ -27,6 +27,29 @@ export function el(tag, attributes, ...children) {
 /** Makes an SVG element. @returns {any} */
 export function svg(tag, attributes, ...children) {
   return fill(document.createElementNS(SVG, tag), attributes, children);
+}
+
+/** The value, or the end of the range that is nearest. */
+export const within = (low, value, high) => Math.min(high, Math.max(low, value));
+
+export const byId = (id) => document.getElementById(id);
+
+/** A copy of a template of index.html, and its parts by the names in `data-part`. @returns {Record<string, any>} */
+export function template(id) {
+  const node = byId(id).content.firstElementChild.cloneNode(true);
+  return { node, ...Object.fromEntries([...node.querySelectorAll('[data-part]')].map((part) => [part.dataset.part, part])) };
+}
+
+/** Writes a text only if it is another one, because many are written for every frame. */
+export function write(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** Puts a box that floats at a place of the window, or as near as it fits. */
+export function float(box, x, y) {
+  const { width, height } = box.getBoundingClientRect();
+  box.style.left = `${within(8, x, innerWidth - width - 8)}px`;
+  box.style.top = `${within(8, y, innerHeight - height - 8)}px`;
 }
 
 /** A field with its label: `label('Length', input, 's')`. */
@@ -41,28 +64,24 @@ export function button(text, onclick, attributes) {
   return el('button', { type: 'button', onclick, ...attributes }, text);
 }
 
-/** One of the icons of index.html. */
-export function icon(name) {
-  return svg('svg', { class: 'icon', 'aria-hidden': 'true' }, svg('use', { href: `#icon-${name}` }));
-}
-
 /** A number with so many significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
 export function format(number, digits = 4) {
   if (number === null || number === undefined || Number.isNaN(number)) return '';
   const size = Math.abs(number);
-  if (size !== 0 && (size < 1e-4 || size >= 1e7)) {
-    return number.toExponential(digits - 1).replace(/\.?0+e/, 'e').replace('e+', 'e');
-  }
+  if (size !== 0 && (size < 1e-4 || size >= 1e7)) return number.toExponential(digits - 1).replace(/\.?0+e/, 'e').replace('e+', 'e');
   return String(Number(number.toPrecision(digits)));
 }
 
-const RAISED = { '-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹' };
-
-/** A number for reading, with its unit: "−1.5 m", "1.2·10⁻⁷ s". The unit "1" is left out. */
-export function quantity(value, unit, digits = 4) {
-  const [mantissa, exponent] = format(value, digits).split('e');
-  const power = exponent ? `·10${[...exponent].map((sign) => RAISED[sign]).join('')}` : '';
-  return `${mantissa.replace('-', '−')}${power}${unit && unit !== '1' ? `\u202f${unit}` : ''}`;
+/** A number for reading, with its unit: "−1.5 m", "1.2·10⁻⁷ kg", "20 µs". The unit "1" is left out. */
+export function quantity(value, unit = '', digits = 4) {
+  if (!Number.isFinite(value)) return '—';
+  // Volts, seconds and hertz get prefixes; nobody reads kilovolts or kiloseconds here.
+  const most = { V: 0, s: 0, Hz: 2 }[unit];
+  const power = most === undefined || !value ? 0 : within(-4, Math.floor(Math.log10(Math.abs(value) * (1 + 1e-9)) / 3), most);
+  const name = ['p', 'n', 'µ', 'm', '', 'k', 'M'][power + 4] + (unit === '1' ? '' : unit);
+  const [mantissa, exponent] = format(value / 1000 ** power, digits).split('e');
+  const raised = exponent ? `·10${[...exponent].map((sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign])).join('')}` : '';
+  return `${mantissa.replace('-', '−')}${raised}${name && '\u202f'}${name}`;
 }
 
 /** The number in a field, or null. A decimal comma and a true minus sign are accepted. */

@@ -1,14 +1,14 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { button, el, quantity } from './dom.js';
+import { byId, el, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { emit, highlight, on, send, state } from './state.js';
 
-const GREEK = Object.fromEntries('alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ kappa κ lambda λ mu μ nu ν xi ξ rho ρ sigma σ tau τ phi φ chi χ psi ψ omega ω'
-  .split(' ').flatMap((word, index, all) => (index % 2 ? [] : [[word, all[index + 1]]])));
-const TOKEN = /\s+|\d+(?:\.\d+)?(?:e[+-]?\d+)?|[\p{L}_][\p{L}\d_.]*|./gu;
-const WORD = /^[\p{L}_]/u;
+const GREEK = Object.fromEntries('alphaα betaβ gammaγ deltaδ epsilonε zetaζ etaη thetaθ kappaκ lambdaλ muμ nuν xiξ rhoρ sigmaσ tauτ phiφ chiχ psiψ omegaω'
+  .split(' ').map((word) => [word.slice(0, -1), word.at(-1)]));
+/** A number, a name with its primes or with the parenthesis of a function, or a sign. */
+const TOKEN = /\d+(?:\.\d+)?(?:e[+-]?\d+)?|[\p{L}_][\p{L}\d_.]*(?:'+|\()?|\S/gu;
 const PRIMES = ['', '′', '″', '‴'];
 
 /** What a name in an equation is: an output, a parameter, or neither. */
@@ -49,83 +49,68 @@ const operator = (sign) => [el('span', { class: 'eq-op' }, ` ${sign}`), '\u00a0'
  */
 function formula(text) {
   const tokens = text.match(TOKEN) ?? [];
-  let at = 0;
-  const skip = () => { while (/^\s/u.test(tokens[at] ?? '')) at += 1; };
-  const next = () => { skip(); return tokens[at]; };
-  const expect = (sign) => { if (next() !== sign) throw new Error(`expected ${sign}`); at += 1; };
+  /** Takes the next token if it is this one. */
+  const take = (sign) => tokens[0] === sign && tokens.shift();
+  const expect = (sign) => { if (!take(sign)) throw new Error(`expected ${sign}`); };
   const list = () => {
-    const items = [sum()];
-    while (next() === ',') { at += 1; items.push([el('span', { class: 'eq-op' }, ', '), ...sum()]); }
+    const items = sum();
+    while (take(',')) items.push(el('span', { class: 'eq-op' }, ', '), ...sum());
     expect(')');
-    return items.flat();
+    return items;
   };
-  /** An atom and whether it is in parentheses that a fraction or a bar makes needless. */
+  /** An atom. `inner` is what is in parentheses that a fraction or a bar makes needless. */
   const atom = () => {
-    const token = next();
-    at += 1;
+    const token = tokens.shift() ?? '';
+    const name = token.replace(/'+$|\($/u, '');
     if (token === '(') {
-      const inner = sum();
-      expect(')');
+      const inner = list();
       return { nodes: ['(', ...inner, ')'], inner };
     }
     if (/^\d/u.test(token)) return { nodes: [quantity(Number(token), '', 12)], isNumber: true };
-    if (!WORD.test(token ?? '')) throw new Error('expected a value');
-    if (tokens[at] === '(') {
-      at += 1;
-      const inside = list();
-      if (token === 'abs') return { nodes: ['|', ...inside, '|'] };
-      return { nodes: [el('span', { class: 'eq-function' }, token), '(', ...inside, ')'] };
-    }
-    let primes = 0;
-    while (tokens[at] === "'") { at += 1; primes += 1; }
-    return { nodes: [nameNode(token), PRIMES[primes] ?? `(${primes})`], name: primes ? null : token };
+    if (!/^[\p{L}_]/u.test(token)) throw new Error('expected a value');
+    if (token.endsWith('(')) return { nodes: name === 'abs' ? ['|', ...list(), '|'] : [el('span', { class: 'eq-function' }, name), '(', ...list(), ')'] };
+    const primes = token.length - name.length;
+    return { nodes: [nameNode(name), PRIMES[primes] ?? `(${primes})`], name: primes ? null : name };
   };
   const power = () => {
     const base = atom();
-    if (next() !== '^') return base;
-    at += 1;
-    const exponent = next() === '-' ? (at += 1, ['−', ...atom().nodes]) : (({ inner, nodes }) => inner ?? nodes)(atom());
-    return { nodes: [...base.nodes, el('sup', null, spoken('to the power '), exponent)] };
+    if (!take('^')) return base;
+    const minus = take('-');
+    const { inner, nodes } = atom();
+    return { nodes: [...base.nodes, el('sup', null, spoken('to the power '), minus ? ['−', ...nodes] : inner ?? nodes)] };
   };
+  // A fraction alone needs no parentheses in a product.
+  const bare = ({ inner, nodes }) => (inner?.length === 1 && inner[0].classList?.contains('eq-fraction') ? inner : nodes);
   const product = () => {
     let left = power();
     for (;;) {
-      const token = next();
-      if (token === '/') {
-        at += 1;
+      if (take('/')) {
         const right = power();
-        const fraction = el('span', { class: 'eq-fraction' }, el('span', null, left.inner ?? left.nodes), spoken(' over '), el('span', null, right.inner ?? right.nodes));
-        left = { nodes: [fraction], isFraction: true };
-      } else if (token === '*' || token === '(' || (token !== undefined && (WORD.test(token) || /^\d/u.test(token)))) {
-        if (token === '*') at += 1;
-        const right = power();
-        // After a number, a name without meaning is a unit.
-        const isUnit = left.isNumber && right.name && right.name !== 't' && !meaning(right.name);
-        // A fraction alone needs no parentheses in a product.
-        const bare = (part) => (part.inner?.length === 1 && part.inner[0].classList?.contains('eq-fraction') ? part.inner : part.nodes);
-        left = { nodes: [...bare(left), ...(token === '*' ? operator('·') : ['\u2009']), ...(isUnit ? [right.name] : bare(right))] };
-      } else return left;
+        left = { nodes: [el('span', { class: 'eq-fraction' }, el('span', null, left.inner ?? left.nodes), spoken(' over '), el('span', null, right.inner ?? right.nodes))] };
+        continue;
+      }
+      const sign = take('*') ? operator('·') : ['\u2009'];
+      if (sign.length === 1 && !/^[\p{L}_\d(]/u.test(tokens[0] ?? '')) return left;
+      const right = power();
+      // After a number, a name without meaning is a unit.
+      const isUnit = left.isNumber && right.name && right.name !== 't' && !meaning(right.name);
+      left = { nodes: [...bare(left), ...sign, ...(isUnit ? [right.name] : bare(right))] };
     }
   };
   const sum = () => {
-    const nodes = [];
-    if (next() === '-') { at += 1; nodes.push('−'); }
+    const nodes = take('-') ? ['−'] : [];
     nodes.push(...product().nodes);
-    while (next() === '+' || next() === '-') {
-      nodes.push(...operator(next() === '+' ? '+' : '−'));
-      at += 1;
-      nodes.push(...product().nodes);
-    }
+    for (let sign; (sign = take('+') || take('-'));) nodes.push(...operator(sign.replace('-', '−')), ...product().nodes);
     return nodes;
   };
   const nodes = sum();
-  if (next() !== undefined) throw new Error('more follows');
+  if (tokens.length) throw new Error('more follows');
   return nodes;
 }
 
 /** Sets a text of which only the names are known. */
 function words(text) {
-  return (text.match(TOKEN) ?? []).map((token) => (WORD.test(token) && meaning(token) ? nameNode(token) : token === '-' ? '−' : token));
+  return (text.match(/[\p{L}_][\p{L}\d_.]*|[^\p{L}_]+/gu) ?? []).map((word) => (meaning(word) ? nameNode(word) : word.replaceAll('-', '−')));
 }
 
 function set(text) {
@@ -148,38 +133,31 @@ function equation(text) {
 
 /** Shows the equations. @param {HTMLElement} root */
 export function mountEquations(root) {
-  const copy = (name, text) => button(`Copy ${name}`, () => navigator.clipboard.writeText(text())
-    .then(() => toast(`The equations are copied as ${name}.`, 'note'), () => toast('The browser does not permit copying.')), { class: 'small' });
-  const plain = () => state.equations.equations.map(({ text }) => text).join('\n');
-  const message = el('p', { class: 'eq-message', role: 'status' });
-  const body = el('div', { class: 'eq-body' });
-  root.classList.add('equations-view');
-  root.replaceChildren(message, body);
-
+  const [message, more, body] = ['.eq-message', '.eq-more', '.eq-body'].map((name) => root.querySelector(name));
+  const copies = [['text', () => state.equations.equations.map(({ text }) => text).join('\n')], ['LaTeX', () => state.equations.latex]];
+  body.querySelectorAll('button').forEach((each, at) => {
+    const [name, text] = copies[at];
+    each.onclick = () => navigator.clipboard.writeText(text()).then(() => toast(`The equations are copied as ${name}.`, 'note'),
+      () => toast('The browser does not permit copying.'));
+  });
   const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, el('span', null, hint));
-  const row = (text, faults = []) => el('li', { class: faults.length ? 'eq-wrong' : null }, el('div', { class: 'eq-row' }, equation(text)),
-    faults.map(fault));
+  const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' }, el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
   const show = async () => {
-    const view = state.equations;
+    const { equations: view, findings } = state;
     if (!view) return;
     message.textContent = view.message ?? '';
     message.hidden = !view.message;
     root.classList.toggle('is-stale', Boolean(view.message));
     if (view.message) return;
-    const faults = state.findings.filter(({ code }) => code === 'equation-not-solved');
+    const faults = findings.filter(({ code }) => code === 'equation-not-solved');
     const lines = faults.length ? (await send({ command: 'text' })).find(({ event }) => event === 'text')?.text.split('\n') : null;
     // A finding says where its equation is in the text of the patch.
     const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
-    const rest = faults.filter((each) => !view.stated.some((text) => isOf(text)(each)));
-    body.replaceChildren(
-      el('section', null,
-        el('div', { class: 'eq-head' }, el('h2', null, 'Solved by the wiring'), copy('text', plain), copy('LaTeX', () => state.equations.latex)),
-        el('ul', { class: 'eq-list' }, view.equations.map(({ text }) => row(text))),
-        view.more.trim() && el('pre', { class: 'eq-more', tabindex: 0, 'aria-label': 'Values at the start, drives and remarks' }, view.more.trim())),
-      view.stated.length > 0 && el('section', null,
-        el('div', { class: 'eq-head' }, el('h2', null, 'Stated by the patch')),
-        rest.map(fault),
-        el('ul', { class: 'eq-list' }, view.stated.map((text) => row(text, faults.filter(isOf(text)))))) || '');
+    byId('eq-solved').replaceChildren(...view.equations.map(({ text }) => row(text)));
+    more.textContent = view.more.trim();
+    byId('eq-faults').replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
+    byId('eq-stated').replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
+    byId('eq-stated').parentElement.hidden = !view.stated.length;
   };
   // A knob that is turned changes no name, so that the buttons stay and keep the focus.
   let drawn = '';

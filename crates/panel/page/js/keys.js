@@ -1,6 +1,6 @@
 /** Keys of the page. The table that carries them out is also the list that the page shows. */
 
-import { button, el } from './dom.js';
+import { byId, el } from './dom.js';
 import { cancelProbe } from './state.js';
 
 const OFF = 'patchcord.letters-off';
@@ -45,26 +45,18 @@ function pressed(event) {
   row.run(event);
 }
 
-/** The list of keys. Speech input can set off single letters by accident, so that they can be switched off. */
-function showList() {
-  const letters = el('input', {
-    type: 'checkbox', checked: !areLettersOff(), onchange: () => localStorage.setItem(OFF, String(!letters.checked)),
-  });
-  const rows = table.map(({ key, text }) => el('div', null,
-    el('dt', null, key.split('+').map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part))),
-    el('dd', null, text)));
-  const dialog = el('dialog', { class: 'dialog', 'aria-labelledby': 'keys-title', onclose: () => dialog.remove() },
-    el('h2', { id: 'keys-title' }, 'Keys'),
-    el('dl', { class: 'keys' }, rows),
-    el('label', { class: 'check' }, letters, 'Single letters are keys'),
-    el('div', { class: 'dialog-buttons' }, button('Close', () => dialog.close(), { class: 'primary', autofocus: true })));
-  document.body.append(dialog);
-  dialog.showModal();
-}
-
 /** Starts to listen. */
 export function startKeys() {
+  const [dialog, letters] = [byId('key-list'), byId('letters')];
+  const showList = () => {
+    dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => el('div', null,
+      el('dt', null, key.split('+').map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part))), el('dd', null, text))));
+    dialog.showModal();
+  };
+  // Speech input can set off single letters by accident, so that they can be switched off.
+  letters.checked = !areLettersOff();
+  letters.onchange = () => localStorage.setItem(OFF, String(!letters.checked));
   bind('?', 'Show this list', showList);
   document.addEventListener('keydown', pressed);
-  document.getElementById('keys').addEventListener('click', showList);
+  byId('keys').onclick = showList;
 }

@@ -1,7 +1,7 @@
 /** The controls of the patch: parameters, pots, switches, initial conditions and other settings. */
 
 import { dial } from './dial.js';
-import { button, el } from './dom.js';
+import { button, byId, el, fill, template, write } from './dom.js';
 import { highlight, on, send } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
@@ -18,13 +18,15 @@ let openedFile = '';
 let controls = [];
 
 const keyOf = ({ parameter, element, setting }) => JSON.stringify([parameter, element, setting]);
-const isFormula = ({ form, text }) => form === 'number' && text !== null && Number.isNaN(Number(text));
+const isPlain = (text) => text === null || !Number.isNaN(Number(text));
+const isFormula = ({ form, text }) => form === 'number' && !isPlain(text);
+const refusalOf = (events) => events.find(({ event }) => event === 'refused')?.message ?? '';
 
 /** The value as a command has it. */
 function content({ form, text, value, words }) {
   if (form === 'flag') return value === 1;
   if (form === 'choice') return words[value];
-  return form && (text === null || Number.isNaN(Number(text))) ? text : value ?? Number(text);
+  return form && !isPlain(text) ? text : value ?? Number(text);
 }
 
 function isShown({ kind }, { form, name, text }) {
@@ -50,9 +52,8 @@ function take(patch) {
     const place = { parameter: view.name };
     return { key: keyOf(place), place, view, title: view.name, about: view.description, unit: view.unit };
   });
-  const settings = patch.elements.flatMap((element) => element.settings.filter((view) => isShown(element, view))
-    .map((view) => ofSetting(element, view, patch)));
-  controls = [...parameters, ...settings];
+  controls = [...parameters, ...patch.elements.flatMap((element) => element.settings.filter((view) => isShown(element, view))
+    .map((view) => ofSetting(element, view, patch)))];
   const file = `${patch.file}\n${patch.title}`;
   if (patch.undo === null || file !== openedFile) opened.clear();
   if (file !== openedFile) unlocked.clear();
@@ -68,71 +69,72 @@ function take(patch) {
 // Before any other listener, because a pot at the null meter also has a value to which it is reset.
 on('patch', take);
 
-/** Marks these controls and moves the page to the first one. */
-function show(keys) {
-  for (const [key, { node }] of cards) node.classList.toggle('is-marked', keys.includes(key));
-  cards.get(keys[0])?.node.scrollIntoView({ block: 'center', behavior: 'smooth' });
+/** Marks these cards, and moves the page to the first one unless the user is there. */
+function show(found, mark) {
+  for (const { node } of cards.values()) node.classList.remove('is-marked', 'is-lit');
+  for (const { node } of found) node.classList.add(mark);
+  const first = found[0]?.node;
+  if (!first || first.contains(document.activeElement)) return;
+  first.closest('details').open = true;
+  first.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
 }
 
-/** A dial for a number, with the formula behind it or the elements that it turns. */
-function dialOf({ key, place, title, about, unit, view }, set, reset) {
+/** Puts a dial on a card, with the formula behind it or the elements that it turns. Returns how it is updated. */
+function dialOn({ control, lines, law, unlock, turns }, { key, place, title, about, unit, view }, set, reset) {
   const isPot = place.setting === 'setting';
-  const lines = el('div', { class: 'knob-lines' });
   let present = view;
-  let drawn = '';
   const knob = dial({
     label: about ? `${title}, ${about}` : title, unit, range: view.range, whole: view.unit === 'whole number', turned: set, reset,
     perTurn: isPot ? 0.1 : 0, digits: isPot ? 4 : 0,
     blocked: () => knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
   });
+  control.replaceWith(knob.node);
+  law.onclick = () => {
+    highlight(place);
+    show(present.parameters.map((parameter) => cards.get(keyOf({ parameter }))).filter(Boolean), 'is-marked');
+  };
   const update = (one, patch) => {
     present = one;
     knob.show(one.value ?? (one.text === null ? 0 : NaN));
-    if (!isFormula(one)) unlocked.delete(key);
-    const isLocked = isFormula(one) && !unlocked.has(key);
-    const turns = patch.elements.filter(({ settings }) => settings.some(({ parameters }) => parameters.includes(place.parameter)));
-    const text = isFormula(one) ? one.text : turns.map(({ name }) => name).join(', ');
-    if (drawn === text + isLocked) return;
-    drawn = text + isLocked;
+    const is = isFormula(one);
+    if (!is) unlocked.delete(key);
+    const isLocked = is && !unlocked.has(key);
+    const turned = patch.elements.filter(({ settings }) => settings.some(({ parameters }) => parameters.includes(place.parameter)));
+    write(law, one.text ?? '');
+    write(turns, turned.length ? `turns ${turned.map(({ name }) => name).join(', ')}` : '');
+    if (is) lines.dataset.formula = isLocked ? 'locked' : 'unlocked';
+    else delete lines.dataset.formula;
     knob.lock(isLocked);
-    const follow = () => {
-      highlight(place);
-      show(one.parameters.map((parameter) => keyOf({ parameter })));
-    };
-    const unlock = () => {
+  };
+  fill(unlock, {
+    'aria-label': `Unlock ${title}. Turning it then replaces the formula`,
+    onclick() {
       unlocked.add(key);
       knob.note('');
-      update(one, patch);
+      lines.dataset.formula = 'unlocked';
+      knob.lock(false);
       knob.knob.focus();
-    };
-    const formula = () => [button(text, follow, { class: 'knob-law', title: 'Show the parameters behind it' }),
-      isLocked ? button('Unlock', unlock, { 'aria-label': `Unlock ${title}. Turning it then replaces the formula`, title: 'Turning then replaces the formula' })
-        : el('p', {}, 'Turning replaces the formula.')];
-    lines.replaceChildren(...(isFormula(one) ? formula() : [text && `turns ${text}`]));
-  };
-  return { parts: [knob.node, lines], update };
+    },
+  });
+  return update;
 }
 
-/** A toggle switch, or a list of words. */
-function switchOf({ title, view }, set) {
+/** Puts a toggle switch or a list of words on a card. Returns how it is updated. */
+function switchOn({ control, lines }, { title, view }, set) {
   const message = el('p', { class: 'dial-message', role: 'status' });
-  const change = async (value) => {
-    message.textContent = (await set(value)).find(({ event }) => event === 'refused')?.message ?? '';
-  };
+  lines.replaceWith(message);
+  const change = async (value) => { message.textContent = refusalOf(await set(value)); };
   if (view.form === 'choice') {
     const list = el('select', { 'aria-label': title, onchange: () => change(list.value) }, view.words.map((word) => el('option', {}, word)));
-    return { parts: [list, message], update: ({ value }) => { list.selectedIndex = value; } };
+    control.replaceWith(list);
+    return ({ value }) => { list.selectedIndex = value; };
   }
   const word = el('span', {});
-  let isOn = false;
-  const toggle = button(word, () => change(!isOn), { class: 'toggle', role: 'switch', 'aria-label': `${title} ${view.name}` });
-  return {
-    parts: [toggle, message],
-    update({ name, value }) {
-      isOn = value === 1;
-      toggle.setAttribute('aria-checked', isOn);
-      word.textContent = isOn ? name : { closed: 'open' }[name] ?? `not ${name}`;
-    },
+  const toggle = button(word, () => change(toggle.ariaChecked !== 'true'), { class: 'toggle', role: 'switch', 'aria-label': `${title} ${view.name}` });
+  control.replaceWith(toggle);
+  return ({ name, value }) => {
+    toggle.ariaChecked = value === 1;
+    word.textContent = value === 1 ? name : { closed: 'open' }[name] ?? `not ${name}`;
   };
 }
 
@@ -141,10 +143,13 @@ function cardOf(control) {
   const { key, place, title, about, view } = control;
   const set = (value) => send(place.parameter ? { command: 'parameter', name: title, value } : { command: 'setting', ...place, value });
   const reset = () => set(opened.get(key));
-  const { parts, update } = (view.form ?? 'number') === 'number' ? dialOf(control, set, reset) : switchOf(control, set);
-  const back = button('↺', reset, { class: 'knob-reset', 'aria-label': `Reset ${title}`, title: 'Reset to the value of the opened patch' });
-  const node = el('div', { class: 'knob', role: 'group', 'aria-label': title },
-    el('div', { class: 'knob-title' }, el('b', {}, title), back), el('p', { class: 'knob-about', title: about }, about), parts);
+  const parts = template('knob');
+  const { node, name, back, text } = parts;
+  fill(node, { 'aria-label': title });
+  fill(name, null, [title]);
+  fill(text, { title: about }, [about]);
+  fill(back, { 'aria-label': `Reset ${title}`, onclick: reset });
+  const update = (view.form ?? 'number') === 'number' ? dialOn(parts, control, set, reset) : switchOn(parts, control, set);
   return {
     node, place,
     update(one, patch) {
@@ -168,45 +173,36 @@ export function potCard(output, patch) {
   return { node, refresh };
 }
 
-/** Draws all groups. */
-function build(root) {
-  cards.clear();
-  for (const control of controls) cards.set(control.key, cardOf(control));
-  const groups = GROUPS.map((heading, group) => {
-    const own = controls.filter((control) => control.group === group).map(({ key }) => cards.get(key).node);
-    return own.length > 0 && el('details', { class: 'knob-group', open: group < 4 },
-      el('summary', {}, heading, el('small', {}, own.length)), el('div', { class: 'knob-grid' }, own));
-  });
-  const filter = el('input', {
-    type: 'search', class: 'knob-filter', placeholder: 'Filter', 'aria-label': 'Filter the controls',
-    oninput() {
-      const words = filter.value.toLowerCase().split(/\s+/);
-      for (const { node } of cards.values()) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
-      for (const group of root.querySelectorAll('details')) {
-        group.hidden = !group.querySelector('.knob:not([hidden])');
-        group.open ||= filter.value !== '';
-      }
-    },
-  });
-  const empty = el('p', {}, 'This patch has nothing to turn. Add a pot or a parameter.');
-  root.replaceChildren(...[controls.length > FILTERED && filter, ...groups, !controls.length && empty].filter(Boolean));
-}
-
-/** Shows the controls of the patch. @param {HTMLElement} root */
-export function mountKnobs(root) {
+/** Shows the controls of the patch. */
+export function mountKnobs() {
+  const [filter, root] = [byId('knob-filter'), byId('knob-groups')];
   let drawn = '';
-  root.classList.add('knobs');
+  const build = () => {
+    cards.clear();
+    for (const control of controls) cards.set(control.key, cardOf(control));
+    root.replaceChildren(...GROUPS.flatMap((heading, group) => {
+      const own = controls.filter((control) => control.group === group).map(({ key }) => cards.get(key).node);
+      return own.length ? [el('details', { class: 'knob-group', open: group < 4 },
+        el('summary', {}, heading, el('small', {}, own.length)), el('div', { class: 'knob-grid' }, own))] : [];
+    }));
+    filter.value = '';
+    filter.hidden = controls.length <= FILTERED;
+  };
+  filter.oninput = () => {
+    const words = filter.value.toLowerCase().split(/\s+/);
+    for (const { node } of cards.values()) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
+    for (const group of root.children) {
+      group.hidden = !group.querySelector('.knob:not([hidden])');
+      group.open ||= filter.value !== '';
+    }
+  };
   on('patch', (patch) => {
     // Cards are kept while their controls are the same: a dial that is being turned must stay.
     const form = JSON.stringify(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]));
-    if (form !== drawn) build(root);
+    if (form !== drawn) build();
     drawn = form;
     for (const { key, view } of controls) cards.get(key).update(view, patch);
   });
-  on('highlight', (to) => {
-    for (const { node, place: { parameter, element, setting } } of cards.values()) {
-      node.classList.remove('is-marked');
-      node.classList.toggle('is-lit', parameter ? to?.parameter === parameter : to?.element === element && (to.setting ?? setting) === setting);
-    }
-  });
+  on('highlight', (to) => show([...cards.values()].filter(({ place: { parameter, element, setting } }) =>
+    (parameter ? to.parameter === parameter : to.element === element && (to.setting ?? setting) === setting)), 'is-lit'));
 }

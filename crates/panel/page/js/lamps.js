@@ -14,7 +14,6 @@ export function mountLamps(root) {
   const grid = el('div', { class: 'lamp-grid' });
   const list = el('ol', { class: 'lamp-list' });
   const status = el('p', { class: 'lamp-status', role: 'status' });
-  root.classList.add('lamps');
   root.replaceChildren(grid, status, list);
   const seek = (element) => () => highlight({ element });
 
@@ -41,7 +40,7 @@ export function mountLamps(root) {
     if (text === listed) return;
     listed = text;
     const words = overloads.map(({ element, time, caused_by: cause }) => `${element} at ${quantity(time, 's')}${cause ? `, caused by ${cause}` : ''}`);
-    status.textContent = words.length ? `Overload. First: ${words[0]}.` : 'No overload.';
+    status.textContent = words.length ? `Overload. First: ${words[0]}.` : '';
     list.replaceChildren(...words.map((word, index) => el('li', {}, button(word, seek(overloads[index].element)))));
   });
 }

@@ -1,7 +1,8 @@
 /** Puts the page together. */
 
 import { mountBoard } from './board.js';
-import { mountControls } from './controls.js';
+import { mountControls, press } from './controls.js';
+import { byId, fill } from './dom.js';
 import { mountEquations } from './equations.js';
 import { mountFiles, begin } from './files.js';
 import { bind, startKeys } from './keys.js';
@@ -14,9 +15,17 @@ import { mountSchematic } from './schematic.js';
 import { mountScope } from './scope.js';
 import { cancelProbe, emit, on, open, send, state } from './state.js';
 
-const TAB = 'patchcord.tab';
+const [TAB, LAYOUT] = ['patchcord.tab', 'patchcord.layout'];
 
-const byId = (id) => document.getElementById(id);
+const root = document.documentElement;
+
+/** How the scopes and the views share the page: "scopes", "both" or "view". */
+function setLayout(name) {
+  root.dataset.layout = name;
+  localStorage.setItem(LAYOUT, name);
+  press(byId('layout'), ({ value }) => value === name);
+  sendViews();
+}
 
 /** The views below the scopes. Only the one that is shown gets its events. */
 function mountTabs() {
@@ -24,36 +33,45 @@ function mountTabs() {
   const panelOf = (tab) => byId(tab.getAttribute('aria-controls'));
   const select = (chosen) => {
     for (const tab of tabs) {
-      tab.setAttribute('aria-selected', String(tab === chosen));
+      tab.setAttribute('aria-selected', tab === chosen);
       tab.tabIndex = tab === chosen ? 0 : -1;
       panelOf(tab).hidden = tab !== chosen;
     }
     localStorage.setItem(TAB, chosen.id);
-    sendViews();
+    setLayout(root.dataset.layout === 'view' ? 'view' : 'both');
   };
   tabs.forEach((tab, index) => {
-    tab.addEventListener('click', () => select(tab));
-    tab.addEventListener('keydown', ({ key }) => {
-      const by = { ArrowRight: 1, ArrowLeft: -1 }[key];
-      if (!by) return;
-      const next = tabs[(index + by + tabs.length) % tabs.length];
-      next.focus();
-      select(next);
+    fill(tab, {
+      onclick: () => select(tab),
+      onkeydown({ key }) {
+        const by = { ArrowRight: 1, ArrowLeft: -1 }[key];
+        if (!by) return;
+        const next = tabs.at((index + by) % tabs.length);
+        next.focus();
+        select(next);
+      },
     });
     bind(String(index + 1), tab.textContent.trim(), () => select(tab));
   });
-  // The place of a finding is in the views, so one of those that can show it must be open.
-  on('highlight', ({ element }) => { if (element && !byId('equations').hidden) select(tabs[0]); });
-  select(byId(localStorage.getItem(TAB) ?? '') ?? tabs[0]);
+  fill(byId('layout'), { onclick: ({ target }) => setLayout(target.closest('button').value) });
+  bind('v', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
+  const before = localStorage.getItem(LAYOUT) ?? 'both';
+  select(byId(localStorage.getItem(TAB)) ?? tabs[0]);
+  setLayout(before);
+  // A finding about an equation has no place at the panel. The schematic has all other places.
+  on('highlight', ({ element, equation }) => {
+    if (equation) select(tabs[2]);
+    else if (element && (root.dataset.layout === 'scopes' || !byId('equations').hidden)) select(byId('board').hidden ? tabs[0] : tabs[1]);
+  });
 }
 
 function sendViews() {
-  if (state.host) send({ command: 'views', schematic: !byId('schematic').hidden, equations: !byId('equations').hidden });
+  const isShown = (id) => !byId(id).hidden && root.dataset.layout !== 'scopes';
+  if (state.host) send({ command: 'views', schematic: isShown('schematic'), equations: isShown('equations') });
 }
 
 /** Theme and projector mode, which theme.js keeps. */
 function mountAppearance() {
-  const root = document.documentElement;
   const theme = byId('theme');
   theme.value = localStorage.getItem('patchcord.theme') ?? 'system';
   const projector = byId('projector');
@@ -86,6 +104,15 @@ function mountTitle() {
   });
 }
 
+/** A menu closes when the user goes elsewhere, and by the Escape key. */
+function mountPopovers() {
+  for (const kind of ['pointerdown', 'focusin', 'keydown']) {
+    document.addEventListener(kind, ({ key, target }) => {
+      for (const each of document.querySelectorAll('.popover[open]')) if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
+    });
+  }
+}
+
 /** Connects and brings the first patch; also after the connection was lost. */
 async function start() {
   try {
@@ -103,14 +130,15 @@ mountTitle();
 mountMessages(start);
 mountFiles();
 for (const index of [0, 1]) mountScope(byId(`scope-${index + 1}`), index);
-mountMeters(byId('meters'));
-mountKnobs(byId('knobs'));
+mountMeters();
+mountKnobs();
 mountLamps(byId('lamps'));
 mountSchematic(byId('schematic'));
 mountBoard(byId('board'));
 mountEquations(byId('equations'));
 mountTabs();
 mountAppearance();
+mountPopovers();
 startKeys();
 byId('cancel-probe').addEventListener('click', cancelProbe);
 startLoop();

@@ -1,25 +1,24 @@
 /** Findings of the checker, refusals, and the state of the connection. */
 
-import { button, el } from './dom.js';
+import { button, byId, el, float, write } from './dom.js';
 import { highlight, on, state } from './state.js';
 
 /** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
 const SHOWN = 4000;
 const SHOWN_PER_LETTER = 40;
 
-const byId = (id) => document.getElementById(id);
-
 /** The name of a place: "A3 x10", "parameter M". */
 export function placeName({ element, jack, setting, parameter }) {
   return parameter ? `parameter ${parameter}` : [element, jack ?? setting].filter(Boolean).join(' ');
 }
 
-function findingItem({ severity, message, hint, place }) {
+function findingItem({ code, severity, message, hint, place }) {
   const isError = severity === 'error';
   return el('li', { class: `finding ${isError ? 'error' : 'warning'}` },
     el('p', null, el('strong', null, isError ? 'Error' : 'Warning'), ' ', message),
     hint && el('p', { class: 'hint' }, hint),
-    place && button(`Show ${placeName(place)}`, () => highlight(place), { class: 'small' }));
+    place && button(`Show ${placeName(place)}`, () => highlight(place), { class: 'small' }),
+    code === 'equation-not-solved' && button('Show the equations', () => highlight({ equation: true }), { class: 'small' }));
 }
 
 function count(number, word) {
@@ -31,8 +30,7 @@ function showFindings() {
   const summary = [count(errors, 'error'), count(state.findings.length - errors, 'warning')].filter(Boolean).join(', ');
   byId('findings').replaceChildren(...state.findings.map(findingItem));
   byId('checks').dataset.worst = errors ? 'error' : summary ? 'warning' : 'none';
-  const text = summary || 'The patch has no faults';
-  if (byId('checks-text').textContent !== text) byId('checks-text').textContent = text;
+  write(byId('checks-text'), summary || 'The patch has no faults');
 }
 
 /** Where the user looks: the pointer, or the control with the focus if a key was the last input. */
@@ -41,10 +39,7 @@ let pointer = null;
 function place(box) {
   const focus = document.activeElement?.getBoundingClientRect();
   const { x, y } = pointer ?? { x: focus?.left ?? innerWidth / 2, y: focus?.bottom ?? innerHeight / 3 };
-  const { width, height } = box.getBoundingClientRect();
-  const within = (value, size, whole) => Math.max(Math.min(value, whole - size - 12), 12);
-  box.style.left = `${within(x + 12, width, innerWidth)}px`;
-  box.style.top = `${within(y + 16, height, innerHeight)}px`;
+  float(box, x + 12, y + 16);
 }
 
 /** Shows a message near the pointer and reads it out. A message stays while the pointer is on it. */
@@ -66,9 +61,10 @@ export function toast(message, kind = 'error') {
 
 /** Connects the list and the messages. `reconnect` is called by the button of a lost connection. */
 export function mountMessages(reconnect) {
-  document.addEventListener('pointermove', ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; }, { passive: true });
-  document.addEventListener('pointerdown', ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; }, { passive: true });
+  const move = ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; };
+  for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
   document.addEventListener('keydown', () => { pointer = null; });
+  byId('link').lastChild.onclick = reconnect;
   on('findings', showFindings);
   on('refused', ({ message, place: where }) => {
     // The patch panel shows it at the jack.
@@ -76,9 +72,8 @@ export function mountMessages(reconnect) {
     if (where) highlight(where);
   });
   on('link', ({ connected, message }) => {
-    const bar = byId('link');
-    bar.hidden = connected;
-    bar.replaceChildren(...connected ? [] : [el('p', null, message), button('Connect again', reconnect, { class: 'primary' })]);
+    byId('link').hidden = connected;
+    write(byId('link').firstChild, message);
   });
   on('probing', ({ active }) => {
     document.documentElement.toggleAttribute('data-probing', active);

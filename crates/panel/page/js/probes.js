@@ -1,9 +1,9 @@
 /** Probes: where they are, and the menu that places them. */
 
-import { button, el } from './dom.js';
+import { button, el, float } from './dom.js';
 import { emit, isProbing, on, probed, send, state } from './state.js';
 
-/** Where the meters are. The event `meter` says it: it is sent by whoever connects one. */
+/** Where the meters are. The event `meter` connects one: meters.js sends the command. */
 const meters = { meter: null, 'null-meter': null };
 on('meter', ({ meter, output }) => { meters[meter] = output; });
 
@@ -19,14 +19,10 @@ export function probes() {
       controls: { ...controls, channels: controls.channels.map((each, other) => (other === index ? { ...each, output: to } : each)) },
     }),
   })));
-  const meter = (command, name, mark, more) => ({
-    name, mark, look: 'meter', output: meters[command],
-    connect(output) {
-      send({ command, output, ...more });
-      emit('meter', { meter: command, output });
-    },
+  const meter = (command, name, mark) => ({
+    name, mark, look: 'meter', output: meters[command], connect: (output) => emit('meter', { meter: command, output }),
   });
-  return [...channels, meter('meter', 'Voltmeter', 'V'), meter('null-meter', 'Null meter', 'N', { divider: 0 })];
+  return [...channels, meter('meter', 'Voltmeter', 'V'), meter('null-meter', 'Null meter', 'N')];
 }
 
 /** Name and quantity of an output: "A1, v_o". */
@@ -70,9 +66,6 @@ export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
   document.querySelector('.probe-menu')?.remove();
   document.body.append(menu);
   const box = at.getBoundingClientRect();
-  const { width, height } = menu.getBoundingClientRect();
-  const within = (value, size, whole) => `${Math.max(8, Math.min(value, whole - size - 8))}px`;
-  menu.style.left = within(clientX || box.left, width, innerWidth);
-  menu.style.top = within((clientY || box.bottom) + 6, height, innerHeight);
+  float(menu, clientX || box.left, (clientY || box.bottom) + 6);
   items[0].focus({ preventScroll: true });
 }

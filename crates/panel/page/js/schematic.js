@@ -1,6 +1,7 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { button, el, quantity, svg } from './dom.js';
+import { fill, quantity, svg, within, write } from './dom.js';
+import { placeName } from './messages.js';
 import { choose, outputName, probes } from './probes.js';
 import { emit, highlight, on, state } from './state.js';
 
@@ -16,7 +17,7 @@ const SLACK = 5;
 /** Pixels from a finger to the output that it means. */
 const FINGER = 22;
 /** Pixels at the bottom for the buttons. */
-const TOOLS = 52;
+const TOOLS = 40;
 /** Milliseconds for which a place is ringed. */
 const RINGED = 4000;
 
@@ -65,18 +66,11 @@ function voltsText(volts) {
 
 /** Shows the schematic. @param {HTMLElement} root */
 export function mountSchematic(root) {
-  const layer = (name) => svg('g', { class: name });
-  const [nets, symbols, outputs, marks] = ['nets', 'symbols', 'outputs', 'marks'].map(layer);
+  const [nets, symbols, outputs, marks] = ['nets', 'symbols', 'outputs', 'marks'].map((name) => svg('g', { class: name }));
   const world = svg('g', null, nets, symbols, outputs, marks);
-  const picture = svg('svg', { class: 'schematic', role: 'group', 'aria-label': 'Schematic' }, world);
-  const info = el('p', { class: 'schematic-info', hidden: true });
-  const message = el('p', { class: 'schematic-message', role: 'status', hidden: true });
-  const tools = el('div', { class: 'schematic-tools', role: 'group', 'aria-label': 'Zoom' },
-    button('+', () => zoomMiddle(1.3), { 'aria-label': 'Zoom in', title: 'Zoom in (+, or Ctrl and the wheel)' }),
-    button('−', () => zoomMiddle(1 / 1.3), { 'aria-label': 'Zoom out', title: 'Zoom out (−, or Ctrl and the wheel)' }),
-    button('Fit', () => fit(), { title: 'Show the whole drawing (0)' }));
-  root.classList.add('schematic-view');
-  root.replaceChildren(picture, info, message, tools);
+  const picture = root.querySelector('svg');
+  const [info, message] = root.querySelectorAll('p');
+  picture.append(world);
 
   /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
   let drawing = null;
@@ -86,27 +80,24 @@ export function mountSchematic(root) {
   // Pan and zoom.
 
   let view = { x: 0, y: 0, k: 1 };
-  let isFitted = true;
+  let [isFitted, isNew] = [true, true];
   const place = (x, y, k, keeps = false) => {
     view = { x, y, k };
     isFitted = keeps;
-    world.setAttribute('transform', `translate(${x} ${y}) scale(${k})`);
+    fill(world, { transform: `translate(${x} ${y}) scale(${k})` });
     picture.toggleAttribute('data-free', !keeps);
   };
-  const zoom = (by, x, y) => {
-    const k = Math.min(ZOOM[1], Math.max(ZOOM[0], view.k * by));
+  const zoom = (by, x = picture.clientWidth / 2, y = picture.clientHeight / 2) => {
+    const k = within(ZOOM[0], view.k * by, ZOOM[1]);
     place(x - (x - view.x) * k / view.k, y - (y - view.y) * k / view.k, k);
   };
-  const zoomMiddle = (by) => zoom(by, picture.clientWidth / 2, picture.clientHeight / 2);
   /** Shows the whole drawing; with a least scale, its upper left part. */
   const fit = (least = 0) => {
-    const width = picture.clientWidth;
-    const height = picture.clientHeight - TOOLS;
+    const { clientWidth: width, clientHeight: height } = picture;
     if (!drawing || !width) return;
-    const whole = Math.min(width / drawing.width, height / drawing.height, 1.6);
+    const whole = Math.min(width / drawing.width, (height - TOOLS) / drawing.height, 1.6);
     const k = Math.max(whole, least);
-    const middle = (size, own) => Math.max((size - own * k) / 2, 0);
-    place(middle(width, drawing.width), middle(height, drawing.height), k, k === whole);
+    place(Math.max((width - drawing.width * k) / 2, 0), Math.max((height - TOOLS - drawing.height * k) / 2, 0), k, k === whole);
   };
   /** Pans as far as is necessary to show a point of the drawing. */
   const reveal = ([x, y]) => {
@@ -114,14 +105,13 @@ export function mountSchematic(root) {
     const [u, v] = [by(view.x, x, picture.clientWidth), by(view.y, y, picture.clientHeight)];
     if (u !== view.x || v !== view.y) place(u, v, view.k);
   };
-  let isNew = true;
   const begin = () => {
     if (!picture.clientWidth || !drawing) return;
-    if (isNew) fit(READABLE);
-    else if (isFitted) fit();
+    if (isNew || isFitted) fit(isNew ? READABLE : 0);
     isNew = false;
   };
   new ResizeObserver(begin).observe(picture);
+  root.querySelectorAll('button').forEach((each, at) => { each.onclick = () => [() => zoom(1.3), () => zoom(1 / 1.3), () => fit()][at](); });
 
   const pointers = new Map();
   let travel = 0;
@@ -133,48 +123,22 @@ export function mountSchematic(root) {
     const { left, top } = picture.getBoundingClientRect();
     return { x: clientX - left, y: clientY - top };
   };
-  picture.addEventListener('pointerdown', (event) => {
-    if (pointers.size === 0) travel = 0;
-    pointers.set(event.pointerId, local(event));
-  });
-  picture.addEventListener('pointermove', (event) => {
-    if (!pointers.has(event.pointerId)) return;
-    const before = spread();
-    pointers.set(event.pointerId, local(event));
-    const after = spread();
-    travel += Math.hypot(after.x - before.x, after.y - before.y) + Math.abs(after.size - before.size);
-    if (travel < SLACK) return;
-    if (!picture.hasPointerCapture(event.pointerId)) picture.setPointerCapture(event.pointerId);
-    place(view.x + after.x - before.x, view.y + after.y - before.y, view.k);
-    if (before.size && after.size) zoom(after.size / before.size, after.x, after.y);
-  });
-  for (const name of ['pointerup', 'pointercancel', 'pointerleave']) {
-    picture.addEventListener(name, ({ pointerId }) => pointers.delete(pointerId));
-  }
-  // The wheel scrolls the page, unless the user has gone into the drawing.
-  picture.addEventListener('wheel', (event) => {
-    if (!event.ctrlKey && !event.metaKey && !picture.contains(document.activeElement)) return;
-    event.preventDefault();
-    const { x, y } = local(event);
-    zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)), x, y);
-  }, { passive: false });
+  const away = ({ pointerId }) => pointers.delete(pointerId);
 
   // Values.
 
-  const outputOf = (name) => state.patch?.outputs[cells.get(name)?.index];
   const valueText = (name) => {
-    const volts = state.frame?.volts[cells.get(name)?.index];
+    const { index } = cells.get(name) ?? {};
+    const volts = state.frame?.volts[index];
     if (volts === undefined) return '';
-    const { signal, unit, per_volt: perVolt } = outputOf(name);
+    const { signal, unit, per_volt: perVolt } = state.patch.outputs[index];
     return `${signal ? `${quantity(volts * perVolt, unit)}, ` : ''}${voltsText(volts)} V`;
   };
   const showInfo = () => {
     const cell = cells.get(lit);
     info.hidden = !cell;
-    if (!cell) return;
-    const to = cell.net?.to.map(([element, jack]) => `${element} ${jack}`).join(', ');
-    const text = [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  ');
-    if (info.textContent !== text) info.textContent = text;
+    const to = cell?.net?.to.map((end) => end.join(' ')).join(', ');
+    if (cell) write(info, [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  '));
   };
   const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
   /** Writes what has changed. */
@@ -185,7 +149,7 @@ export function mountSchematic(root) {
   };
   on('frame', ({ volts, lamps, firstLamp }) => {
     const now = performance.now();
-    if (now - last < SHOWN || root.hidden) return;
+    if (now - last < SHOWN || !picture.clientWidth) return;
     last = now;
     const scale = full();
     for (const cell of cells.values()) {
@@ -202,37 +166,24 @@ export function mountSchematic(root) {
 
   const light = (name) => {
     lit = name;
-    picture.toggleAttribute('data-lit', cells.has(name));
-    for (const node of world.querySelectorAll('.lit')) node.classList.remove('lit');
     const cell = cells.get(name);
+    picture.toggleAttribute('data-lit', Boolean(cell));
     const ends = new Set([cell?.element, ...cell?.net?.to.map(([element]) => element) ?? []]);
-    for (const node of [cell?.nodes.net, cell?.nodes.output, ...symbols.children].filter(Boolean)) {
-      if (!node.matches('.symbol') || ends.has(node.dataset.element)) node.classList.add('lit');
+    for (const node of world.querySelectorAll('.net, .output, .symbol')) {
+      const { element, output } = node.dataset;
+      node.classList.toggle('lit', Boolean(cell) && (element ? ends.has(element) : output === name));
     }
     showInfo();
   };
-  const under = (event) => event.target.closest?.('[data-output]')?.dataset.output ?? null;
   const point = (output) => emit('pointed', { output });
   on('pointed', ({ output }) => light(output ?? null));
-  picture.addEventListener('pointerover', (event) => point(under(event) ?? (picture.contains(document.activeElement) ? focused : null)));
-  picture.addEventListener('pointerleave', () => point(null));
-  picture.addEventListener('focusout', () => point(null));
-  picture.addEventListener('focusin', (event) => {
-    const name = under(event);
-    if (!cells.has(name)) return;
-    rove(name);
-    const said = state.findings.filter(({ place: at }) => at?.element === cells.get(name).element);
-    cells.get(name).nodes.output.setAttribute('aria-label',
-      [outputName(name), valueText(name), ...said.map((finding) => finding.message)].filter(Boolean).join(', '));
-    reveal(cells.get(name).output.at);
-    point(name);
-  });
 
   // Actions.
 
+  const under = ({ target }) => target.closest?.('[data-output]')?.dataset.output ?? null;
+  const hasFocus = () => picture.contains(document.activeElement);
   const rove = (name) => {
-    cells.get(focused)?.nodes.output.setAttribute('tabindex', -1);
-    cells.get(name)?.nodes.output.setAttribute('tabindex', 0);
+    for (const [each, { nodes }] of cells) nodes.output.setAttribute('tabindex', each === name ? 0 : -1);
     focused = name;
   };
   const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
@@ -243,19 +194,11 @@ export function mountSchematic(root) {
     let [found, least] = [null, pointerType === 'touch' ? FINGER : 0];
     for (const node of outputs.children) {
       const { left, right, top, bottom } = node.getBoundingClientRect();
-      const away = Math.hypot(Math.max(left - clientX, clientX - right, 0), Math.max(top - clientY, clientY - bottom, 0));
-      if (away < least) [found, least] = [node, away];
+      const far = Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
+      if (far < least) [found, least] = [node, far];
     }
     return found;
   };
-  picture.addEventListener('click', (event) => {
-    const node = event.target.closest('.net, .output') ?? near(event);
-    if (node && travel < SLACK) choose(node.dataset.output, node, event);
-  });
-  picture.addEventListener('dblclick', ({ target }) => {
-    const symbol = target.closest('.symbol');
-    if (symbol) openKnob(symbol.dataset.element, target.dataset.setting);
-  });
   const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] };
   /** The output that is nearest in a direction. Those straight ahead come before those at the side. */
   const nearest = ([dx, dy]) => {
@@ -269,71 +212,113 @@ export function mountSchematic(root) {
     return found;
   };
   const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
-  root.addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('button')) return;
-    const node = event.target.closest('.output');
-    const names = [...cells.keys()];
-    const act = {
-      '+': () => zoomMiddle(1.3), '-': () => zoomMiddle(1 / 1.3), 0: () => fit(),
-      Home: () => go(names[0]), End: () => go(names.at(-1)),
-      ...node && {
-        Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element),
-        Escape: () => point(null),
-      },
-    }[event.key] ?? (ARROWS[event.key] && (() => go(node ? nearest(ARROWS[event.key]) : focused)));
-    if (!act || !cells.has(focused)) return;
-    // A probe that waits is called off by the page.
-    if (event.key !== 'Escape') event.preventDefault();
-    act();
+
+  fill(picture, {
+    onpointerdown(event) {
+      if (pointers.size === 0) travel = 0;
+      pointers.set(event.pointerId, local(event));
+    },
+    onpointermove(event) {
+      if (!pointers.has(event.pointerId)) return;
+      const before = spread();
+      pointers.set(event.pointerId, local(event));
+      const after = spread();
+      travel += Math.hypot(after.x - before.x, after.y - before.y) + Math.abs(after.size - before.size);
+      if (travel < SLACK) return;
+      picture.setPointerCapture(event.pointerId);
+      place(view.x + after.x - before.x, view.y + after.y - before.y, view.k);
+      if (before.size && after.size) zoom(after.size / before.size, after.x, after.y);
+    },
+    onpointerup: away,
+    onpointercancel: away,
+    onpointerleave(event) {
+      away(event);
+      point(null);
+    },
+    // The wheel scrolls the page, unless the user has gone into the drawing.
+    onwheel(event) {
+      if (!event.ctrlKey && !event.metaKey && !hasFocus()) return;
+      event.preventDefault();
+      const { x, y } = local(event);
+      zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)), x, y);
+    },
+    onpointerover: (event) => point(under(event) ?? (hasFocus() ? focused : null)),
+    onfocusout: () => point(null),
+    onfocusin(event) {
+      const name = under(event);
+      const cell = cells.get(name);
+      if (!cell) return;
+      rove(name);
+      const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
+      fill(cell.nodes.output, { 'aria-label': [outputName(name), valueText(name), ...said].filter(Boolean).join(', ') });
+      reveal(cell.output.at);
+      point(name);
+    },
+    onclick(event) {
+      const node = event.target.closest('.net, .output') ?? near(event);
+      if (node && travel < SLACK) choose(node.dataset.output, node, event);
+    },
+    ondblclick({ target }) {
+      const symbol = target.closest('.symbol');
+      if (symbol) openKnob(symbol.dataset.element, target.dataset.setting);
+    },
+  });
+  fill(root, {
+    onkeydown(event) {
+      if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('button')) return;
+      const node = event.target.closest('.output');
+      const names = [...cells.keys()];
+      const act = {
+        '+': () => zoom(1.3), '-': () => zoom(1 / 1.3), 0: () => fit(), Home: () => go(names[0]), End: () => go(names.at(-1)),
+        ...node && { Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
+      }[event.key] ?? (ARROWS[event.key] && (() => go(node ? nearest(ARROWS[event.key]) : focused)));
+      if (!act || !cells.has(focused)) return;
+      // A probe that waits is called off by the page.
+      if (event.key !== 'Escape') event.preventDefault();
+      act();
+    },
   });
 
   // Probes, findings, and places to which something points.
 
-  let ring = null;
-  let timer = 0;
+  let [ring, timer] = [null, 0];
   const spot = ({ element, jack }) => {
     const symbol = drawing?.symbols.find(({ name }) => name === element);
-    const input = symbol?.inputs.find((each) => each.jack === jack);
-    return symbol && { symbol, at: input?.at ?? null };
+    return symbol && { area: symbol.area, at: symbol.inputs.find((each) => each.jack === jack)?.at };
   };
   const showMarks = () => {
     const counts = new Map();
+    /** How many marks are already at a place. */
+    const count = (key) => counts.set(key, (counts.get(key) ?? -1) + 1).get(key);
     const tips = probes().filter(({ output }) => cells.has(output)).map(({ output, mark, look, name }) => {
-      const count = counts.get(output) ?? 0;
-      counts.set(output, count + 1);
       // The outputs of an instance are close to each other, so that the tips are at the ends of their wires.
       const { port, at, from } = cells.get(output).output;
       const [x, y] = port ? [at[0], at[1] + 21] : from;
+      const right = x + 24 * count(output);
       return svg('g', { class: 'tip', 'data-look': look, role: 'img', 'aria-label': `${name} at ${outputName(output)}` },
         svg('title', null, name), !port && svg('path', { class: 'needle', d: `M${x + 1.5} ${y}v-14` }),
-        svg('rect', { x: x - 1.5 + 24 * count, y: y - 28, width: 22, height: 14, rx: 7 }),
-        svg('text', { x: x + 9.5 + 24 * count, y: y - 17.5 }, mark));
+        svg('rect', { x: right - 1.5, y: y - 28, width: 22, height: 14, rx: 7 }), svg('text', { x: right + 9.5, y: y - 17.5 }, mark));
     });
-    const places = new Map();
     const flags = state.findings.map(({ severity, message: text, place: where }) => {
       const found = where?.element && spot(where);
       if (!found) return null;
-      const [x, y] = found.at ?? [found.symbol.area[0] + 4, found.symbol.area[1] + 4];
-      const count = places.get(`${x} ${y}`) ?? 0;
-      places.set(`${x} ${y}`, count + 1);
-      const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${where.element}${where.jack ? ` ${where.jack}` : ''}: ${text}`;
-      return svg('g', { class: `flag ${severity}`, role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count} ${y - 7})` },
+      const [x, y] = found.at ?? [found.area[0] + 4, found.area[1] + 4];
+      const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${placeName(where)}: ${text}`;
+      return svg('g', { class: `flag ${severity}`, role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})` },
         svg('title', null, text), svg('path', { d: 'M0-8.5 8.5 6.5H-8.5Z' }), svg('text', { y: 5 }, '!'));
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
-  on('scopes', showMarks);
-  on('meter', showMarks);
-  on('findings', showMarks);
+  for (const name of ['scopes', 'meter', 'findings']) on(name, showMarks);
   on('highlight', (where) => {
-    const found = where?.element && spot(where);
+    const found = where.element && spot(where);
     if (!found) return;
-    const [left, top, right, bottom] = found.symbol.area;
-    ring = found.at
-      ? svg('circle', { class: 'ring', cx: found.at[0], cy: found.at[1], r: 13 })
+    const [left, top, right, bottom] = found.area;
+    const [x, y] = found.at ?? [(left + right) / 2, (top + bottom) / 2];
+    ring = found.at ? svg('circle', { class: 'ring', cx: x, cy: y, r: 13 })
       : svg('rect', { class: 'ring', x: left - 5, y: top - 5, width: right - left + 10, height: bottom - top + 10, rx: 10 });
     showMarks();
-    reveal(found.at ?? [(left + right) / 2, (top + bottom) / 2]);
+    reveal([x, y]);
     if (!root.hidden && !where.setting) root.scrollIntoView({ block: 'nearest' });
     clearTimeout(timer);
     timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
@@ -344,7 +329,7 @@ export function mountSchematic(root) {
     for (const [name, cell] of cells) cell.index = names.indexOf(name);
   };
   const draw = () => {
-    const had = picture.contains(document.activeElement);
+    const had = hasFocus();
     symbols.replaceChildren();
     const made = drawing.symbols.flatMap((symbol) => {
       const node = symbols.appendChild(symbolNode(symbol));

@@ -1,63 +1,59 @@
-/** The controls of a scope: selects, switches and buttons around the screen. */
+/** The controls around the screen of a scope. Each has the path of what it sets: "trigger.level". */
 
-import { el, svg } from './dom.js';
-import { nameOf, si } from './scope-grid.js';
+import { el, quantity, within, write } from './dom.js';
+import { nameOf } from './scope-grid.js';
 
-const PERSISTENCE = [0, 0.2, 0.5, 1, 2, 5, 10, 20, 60];
 const [LEAST_VOLTS, MOST_VOLTS] = [0.01, 50];
+/** The steps of a decade: at 25 volts per division, the machine unit is at the edge of the screen. */
+const [TIMES, VOLTS] = [[1, 2, 5], [1, 2, 2.5, 5]];
 
-/** The next value of the series 1-2-5 above (1) or below (-1) a value. */
-export function stepOf(value, direction) {
+/** The next round value above (1) or below (-1) a value. */
+function stepOf(value, direction, round) {
   const decade = 10 ** Math.floor(Math.log10(value) + 1e-9);
-  const steps = direction > 0 ? [2, 5, 10, 20] : [5, 2, 1, 0.5];
-  const next = steps.find((step) => direction * (step * decade - value) > 1e-6 * value);
-  return Number((next * decade).toPrecision(3));
+  const steps = direction > 0 ? [...round, 10] : [...round, round.at(-1) / 10].sort((a, b) => b - a);
+  return Number((steps.find((step) => direction * (step * decade - value) > 1e-6 * value) * decade).toPrecision(3));
 }
 
-function series(first, last) {
+function series(first, last, round) {
   const values = [];
-  for (let value = first; value <= last * (1 + 1e-9); value = stepOf(value, 1)) values.push(value);
+  for (let value = first; value <= last * (1 + 1e-9); value = stepOf(value, 1, round)) values.push(value);
   return values;
 }
 
-export const TIME_BASES = series(1e-6, 1000);
+const BASES = series(1e-6, 1000, TIMES);
 
-/** Volts per division one step larger or smaller, at a round number of volts or of units. */
-export function stepVolts(volts, direction, perVolt) {
-  return Math.min(MOST_VOLTS, Math.max(LEAST_VOLTS, stepOf(volts * perVolt, direction) / perVolt));
+/** The time base one step larger or smaller. */
+export const stepBase = (seconds, direction) => within(BASES[0], stepOf(seconds, direction, TIMES), BASES.at(-1));
+
+/** Volts per division one step larger or smaller, at a round number of volts, or of units if it is one now. */
+export function stepVolts(volts, direction, output, isNew = false) {
+  const perVolt = output?.signal ? Math.abs(output.per_volt) : 1;
+  const isRound = Math.abs(stepOf(stepOf(volts * perVolt, 1, VOLTS), -1, VOLTS) / (volts * perVolt) - 1) < 1e-4;
+  const scale = isNew || isRound ? perVolt : 1;
+  return within(LEAST_VOLTS, stepOf(volts * scale, direction, VOLTS) / scale, MOST_VOLTS);
+}
+
+/** Divisions from the middle of the screen up to 0 V. */
+const positionOf = ({ centre, volts_per_division: volts, inverted }) => (inverted ? centre : -centre) / volts || 0;
+
+export function setPosition(channel, position) {
+  channel.centre = (channel.inverted ? position : -position) * channel.volts_per_division || 0;
+}
+
+/** Changes the scale. 0 V stays at its place. */
+export function setVolts(channel, volts) {
+  const position = positionOf(channel);
+  channel.volts_per_division = volts;
+  setPosition(channel, position);
 }
 
 const option = (value, text) => el('option', { value }, text);
-const push = (text, onclick, name = null) => el('button', { type: 'button', onclick, 'aria-label': name, title: name }, text);
-
-/** A control with its label, and what stands next to it. */
-function field(text, control, ...more) {
-  return el('div', { class: 'scope-field' }, el('label', {}, el('span', {}, text), control), ...more);
-}
-
-/** A select of [value, text] pairs. */
-function choose(words, act) {
-  const list = el('select', { onchange: () => act(list.value) }, words.map(([value, text]) => option(value, text)));
-  return list;
-}
-
-function check(text, act) {
-  const input = el('input', { type: 'checkbox', onchange: () => act(input.checked) });
-  return [input, el('label', { class: 'scope-check' }, input, text)];
-}
-
-const steps = (text, step) => el('span', { class: 'scope-steps' },
-  push('−', () => step(-1), `${text}: less`), push('+', () => step(1), `${text}: more`));
 
 /** Selects a value in a list, and adds it if the list does not have it. */
 function select(list, value, text) {
   list.querySelector('[data-own]')?.remove();
   list.value = String(value);
-  if (list.selectedIndex >= 0) return;
-  const own = option(value, text);
-  own.dataset.own = '';
-  list.prepend(own);
-  own.selected = true;
+  if (list.selectedIndex < 0) list.prepend(el('option', { value, 'data-own': true, selected: true }, text));
 }
 
 /** Fills a list of probes: signals with their unit, then elements, drives and references. */
@@ -75,86 +71,71 @@ function fillProbes(list, { elements, outputs }) {
 /** Fills a list of volts per division: round volts, and round units if the voltage stands for a quantity. */
 function fillVolts(list, output) {
   const group = (unit, perVolt) => el('optgroup', { label: `${unit} per division` },
-    series(stepOf(LEAST_VOLTS * perVolt * 0.999, 1), MOST_VOLTS * perVolt)
-      .map((value) => option(value / perVolt, `${si(value, unit)}/div`)));
+    series(stepOf(LEAST_VOLTS * perVolt * 0.999, 1, VOLTS), MOST_VOLTS * perVolt, VOLTS)
+      .map((value) => option(value / perVolt, `${quantity(value, unit, 3)}/div`)));
   list.replaceChildren(...(output?.signal ? [group(output.unit, Math.abs(output.per_volt))] : []), group('V', 1));
 }
 
-function channelControls(channel, model, act) {
-  const name = `Channel ${channel + 1}`;
-  const mine = (edit) => act.change((controls) => edit(controls.channels[channel]));
-  const probe = choose([], (value) => mine((each) => { each.output = value || null; }));
-  const volts = choose([], (value) => act.setVolts(channel, Number(value)));
-  const position = el('input', { type: 'range', min: -6, max: 6, step: 0.1, oninput: () => act.setPosition(channel, Number(position.value)) });
-  const [inverted, invert] = check('Invert', (value) => mine((each) => { each.inverted = value; }));
-  const legend = el('legend', {});
-  const activate = () => act.activate(channel);
-  const group = el('fieldset', { class: `scope-channel-${channel + 1}`, onfocusin: activate }, legend,
-    field('Probe', probe, push(svg('svg', { viewBox: '0 0 20 20', 'aria-hidden': 'true' }, svg('path', { d: 'M10 1v6m0 6v6M1 10h6m6 0h6M10 4.5a5.5 5.5 0 1 0 .01 0' })), () => act.place(channel), `${name}: place the probe by a click on an output`)),
-    field('Per division', volts, steps(`${name}, per division`, (direction) => act.stepVolts(channel, direction))),
-    field('Position', position, invert));
-  let filled;
-  return {
-    group,
-    update({ display, channels }, patch) {
-      const each = channels[channel];
-      const output = model.outputs[channel];
-      if (patch) fillProbes(probe, patch);
-      const scale = JSON.stringify(output);
-      if (scale !== filled) fillVolts(volts, output);
-      filled = scale;
-      legend.textContent = display === 'plane' ? `${'XY'[channel]}: ${name.toLowerCase()}` : name;
-      select(probe, each.output ?? '', each.output);
-      select(volts, each.volts_per_division, `${si(each.volts_per_division, 'V')}/div`);
-      position.value = String(act.positionOf(each));
-      position.setAttribute('aria-valuetext', si(act.positionOf(each), 'divisions', 2));
-      inverted.checked = each.inverted;
-    },
-  };
+/** The object that has a control's value, and its key there. */
+function placeOf(controls, control) {
+  const path = control.dataset.set.split('.');
+  const key = path.pop();
+  return [path.reduce((part, name) => part[name], controls), key];
 }
 
-/** Makes all controls. `act` has what they do. */
-export function makeControls(model, act) {
-  const set = (name, convert = (value) => value) => (value) => act.change((controls) => { controls[name] = convert(value); });
-  const onTrigger = (name, convert) => (value) => act.change(({ trigger }) => { trigger[name] = convert(value); });
-  const display = choose([['time', 'Y-t'], ['plane', 'X-Y']], set('display'));
-  const base = choose([[0, 'sweep'], ...TIME_BASES.map((value) => [value, `${si(value, 's')}/div`])], (value) => act.setBase(Number(value)));
-  const baseField = field('Time base', base, steps('Time base', act.stepBase));
-  const [, cursors] = check('Cursors', act.setCursors);
-  const mode = choose([['run', 'each run'], ['level', 'level'], ['single-shot', 'single shot']], onTrigger('mode', String));
-  const source = choose([[0, 'channel 1'], [1, 'channel 2']], onTrigger('channel', Number));
-  const slope = choose([[true, 'rising'], [false, 'falling']], onTrigger('rising', (value) => value === 'true'));
-  const level = el('input', { type: 'number', step: 'any', onchange: () => Number.isFinite(level.valueAsNumber) && onTrigger('level', Number)(level.value) });
-  const details = [field('Source', source), field('Slope', slope), field('Level in V', level)];
-  const trigger = el('fieldset', {}, el('legend', {}, 'Trigger'), field('A trace begins with', mode), details);
-  const [store, storeField] = check('Store', set('store'));
-  const fade = choose(PERSISTENCE.map((value) => [value, value ? si(value, 's') : 'stays']), set('persistence', Number));
-  const erase = push('Erase', act.erase);
-  const menu = el('details', { class: 'scope-menu' }, el('summary', {}, 'Export'), el('div', {},
-    [['svg', 'SVG drawing'], ['white', 'PNG, white page'], ['dark', 'PNG, dark page'], ['csv', 'CSV table']]
-      .map(([kind, text]) => push(text, () => { menu.open = false; act.save(kind); }))));
-  menu.addEventListener('keydown', (event) => { if (event.key === 'Escape') menu.open = false; });
-  menu.addEventListener('focusout', (event) => { if (!menu.contains(event.relatedTarget)) menu.open = false; });
-  const channels = [0, 1].map((channel) => channelControls(channel, model, act));
-  return {
-    element: el('div', { class: 'scope-controls' }, channels.map(({ group }) => group),
-      el('fieldset', {}, el('legend', {}, 'Screen'), field('Display', display), baseField, cursors, push('Auto-set', act.autoSet)),
-      trigger, el('fieldset', {}, el('legend', {}, 'Storage'), field('Persistence', fade), storeField, erase, menu)),
-    /** Shows the controls. With a patch, the lists of probes are made again. */
-    update(controls, patch) {
-      const isTime = controls.display === 'time';
-      for (const channel of channels) channel.update(controls, patch);
-      display.value = controls.display;
-      baseField.hidden = trigger.hidden = !isTime;
-      select(base, controls.seconds_per_division, `${si(controls.seconds_per_division, 's')}/div`);
-      mode.value = controls.trigger.mode;
-      source.value = String(controls.trigger.channel);
-      slope.value = String(controls.trigger.rising);
-      level.value = String(Number(controls.trigger.level.toPrecision(6)));
-      for (const each of details) each.hidden = controls.trigger.mode === 'run';
-      store.checked = controls.store;
-      select(fade, controls.persistence, si(controls.persistence, 's'));
-      erase.textContent = isTime && controls.trigger.mode === 'single-shot' ? 'Erase and arm' : 'Erase';
-    },
+/**
+ * Connects the controls of a scope. `act` has what the buttons do.
+ * @returns a function that shows controls; with a patch, it makes the lists of probes again
+ */
+export function mountControls({ controls: root, base, trigger, summary, erase }, model, change, act) {
+  const lists = [...root.querySelectorAll('[data-set]')];
+  const scales = ['', ''];
+  base.append(option(0, 'one sweep'), ...BASES.map((value) => option(value, `${quantity(value, 's', 3)}/div`)));
+  const set = (control, where) => {
+    const [owner, key] = placeOf(where, control);
+    const isNumber = ['range', 'number'].includes(control.type) || typeof owner[key] === 'number';
+    const value = control.type === 'checkbox' ? control.checked : isNumber ? Number(control.value)
+      : typeof owner[key] === 'boolean' ? control.value === 'true' : control.value || null;
+    if (key === 'position') setPosition(owner, value);
+    else if (key === 'volts_per_division') setVolts(owner, value);
+    else owner[key] = value;
+  };
+  for (const kind of ['input', 'change']) {
+    root.addEventListener(kind, ({ target }) => {
+      if ((target.type === 'range') !== (kind === 'input')) return;
+      if (target.dataset.set) change((controls) => set(target, controls));
+      else act[target.dataset.act]?.(target.checked);
+    });
+  }
+  root.addEventListener('click', ({ target }) => {
+    const button = target.closest('button');
+    if (!button) return;
+    act[button.dataset.act](Number(button.parentElement.dataset.channel));
+    const menu = button.closest('details');
+    if (menu) menu.open = false;
+  });
+  return (controls, patch) => {
+    const { display, trigger: { mode, level, rising } } = controls;
+    const isTime = display === 'time';
+    for (const control of lists) {
+      const [owner, key] = placeOf(controls, control);
+      const channel = controls.channels.indexOf(owner);
+      if (key === 'output' && patch) fillProbes(control, patch);
+      const scale = JSON.stringify(model.outputs[channel]);
+      if (key === 'volts_per_division' && scale !== scales[channel]) {
+        fillVolts(control, model.outputs[channel]);
+        scales[channel] = scale;
+      }
+      const value = key === 'position' ? positionOf(owner) : owner[key];
+      if (control.type === 'checkbox') control.checked = value;
+      else if (control.localName === 'select') select(control, value ?? '', typeof value === 'number' ? quantity(value, channel < 0 ? 's' : 'V', 3) : value);
+      else control.value = Number(value.toPrecision(6));
+      if (key === 'position') control.setAttribute('aria-valuetext', quantity(value, 'divisions', 2));
+      if (owner === controls.trigger && key !== 'mode') control.parentElement.hidden = mode === 'run';
+    }
+    root.querySelectorAll('b').forEach((name, channel) => write(name, isTime ? String(channel + 1) : 'XY'[channel]));
+    base.hidden = trigger.hidden = !isTime;
+    write(summary, mode === 'run' ? 'Trigger: run' : `${mode === 'level' ? 'Trigger' : 'Single'}: ${quantity(level, 'V', 3)} ${rising ? '↗' : '↘'}`);
+    write(erase, isTime && mode === 'single-shot' ? 'Erase and arm' : 'Erase');
   };
 }

@@ -1,7 +1,8 @@
 /** Pictures and tables of a scope, as downloads. */
 
-import { svg } from './dom.js';
-import { ACROSS, drawGrid, layout, scales, si, UP } from './scope-grid.js';
+import { quantity, svg } from './dom.js';
+import { download } from './files.js';
+import { ACROSS, drawGrid, layout, scales, UP, writer } from './scope-grid.js';
 import { drawTraces } from './scope-screen.js';
 
 /** Size of a picture, and the space around the graticule. */
@@ -56,61 +57,52 @@ class Recorder {
   }
 }
 
-/** Colours on paper or on a dark page. */
-const colours = (dark) => ({
-  dark, size: 13, font: 'sans-serif', ...(dark
-    ? { page: '#0b1512', grid: '#29433a', ink: '#c4d6ce', bad: '#ff6b5e', traces: ['#7df0b0', '#ffc66b'] }
-    : { page: '#ffffff', grid: '#d5d9dd', ink: '#30363b', bad: '#c8102e', traces: ['#0a5cad', '#b34700'] }),
-});
+/** Colours on paper. */
+const PAPER = { size: 13, font: 'sans-serif', grid: '#d5d9dd', ink: '#30363b', bad: '#c8102e', traces: ['#0a5cad', '#b34700'] };
 
 /** Writes the title and the values along the axes, in the unit of each channel. */
-function drawAxes(context, view, paint, { controls, outputs, title }) {
-  const size = paint.size * view.ratio;
-  const text = (content, align, x, y, colour) => {
-    context.textAlign = align;
-    context.fillStyle = colour;
-    context.fillText(content, x, y);
-  };
-  context.globalAlpha = 1;
-  context.font = `${1.15 * size}px ${paint.font}`;
-  text(title, 'center', view.width / 2, view.y - 2.2 * size, paint.ink);
-  context.font = `${0.85 * size}px ${paint.font}`;
+function drawAxes(context, scene) {
+  const { view, model: { controls, outputs, title } } = scene;
+  const { x, y, across, up, dx, dy } = view;
+  const size = PAPER.size * view.ratio;
+  writer(context, scene, 1.15 * PAPER.size)(title, 'center', view.width / 2, y - 2.2 * size);
+  const text = writer(context, scene, 0.85 * PAPER.size);
   scales(view, controls).forEach(({ isX, gain, zero }, channel) => {
     const output = outputs[channel];
-    if (!output) return;
-    const colour = controls.display === 'plane' ? paint.ink : paint.traces[channel];
-    for (let at = isX ? 1 : 0; at <= (isX ? ACROSS : UP); at += 2) {
-      const place = (isX ? view.x : view.y) + at * view.division;
-      const value = si(((place - zero) / gain) * output.per_volt, '1');
-      const isRight = channel === 1 && controls.display === 'time';
-      if (isX) text(value, 'center', place, view.y + view.up + 1.3 * size, colour);
-      else text(value, isRight ? 'left' : 'right', isRight ? view.x + view.across + 0.5 * size : view.x - 0.9 * size, place + 0.3 * size, colour);
+    const isTime = controls.display === 'time';
+    for (let at = isX ? 1 : 0; output && at <= (isX ? ACROSS : UP); at += 2) {
+      const place = isX ? x + at * dx : y + at * dy;
+      const value = quantity(((place - zero) / gain) * output.per_volt, '1', 3);
+      if (isX) text(value, 'center', place, y + up + 1.3 * size);
+      else if (isTime && channel === 1) text(value, 'left', x + across + 0.5 * size, place + 0.3 * size, PAPER.traces[1]);
+      else text(value, 'right', x - 0.9 * size, place + 0.3 * size, isTime ? PAPER.traces[0] : PAPER.ink);
     }
   });
 }
 
-function drawing(model) {
-  const paint = colours(false);
-  const root = svg('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, width: WIDTH, height: HEIGHT, 'font-family': paint.font },
-    svg('title', {}, model.title), svg('rect', { width: WIDTH, height: HEIGHT, fill: paint.page }));
-  const recorder = new Recorder(root);
-  for (const draw of [drawGrid, drawAxes]) draw(recorder, layout(WIDTH, HEIGHT, 1, MARGIN), paint, model);
-  drawTraces(recorder, recorder, layout(WIDTH, HEIGHT, 1, MARGIN), paint, model);
-  return new Blob([new XMLSerializer().serializeToString(root)], { type: 'image/svg+xml' });
+/** Draws everything at so many pixels for one of the drawing. */
+function drawAll(page, traces, ratio, model) {
+  const view = layout(ratio * WIDTH, ratio * HEIGHT, ratio, ratio * MARGIN, true);
+  const scene = { view, model, colours: PAPER };
+  drawGrid(page, scene);
+  drawAxes(page, scene);
+  drawTraces(traces, traces, scene);
 }
 
-function picture(model, isDark) {
-  const paint = colours(isDark);
+function drawing(model) {
+  const root = svg('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, width: WIDTH, height: HEIGHT, 'font-family': PAPER.font },
+    svg('title', {}, model.title), svg('rect', { width: WIDTH, height: HEIGHT, fill: '#fff' }));
+  const recorder = new Recorder(root);
+  drawAll(recorder, recorder, 1, model);
+  return new XMLSerializer().serializeToString(root);
+}
+
+function picture(model) {
   const [page, traces] = [0, 1].map(() => new OffscreenCanvas(2 * WIDTH, 2 * HEIGHT).getContext('2d'));
-  const view = layout(2 * WIDTH, 2 * HEIGHT, 2, 2 * MARGIN);
-  drawGrid(page, view, paint, model);
-  drawAxes(page, view, paint, model);
-  drawTraces(traces, traces, view, paint, model);
+  drawAll(page, traces, 2, model);
   page.drawImage(traces.canvas, 0, 0);
-  page.globalCompositeOperation = 'destination-over';
-  page.globalAlpha = 1;
-  page.fillStyle = paint.page;
-  page.fillRect(0, 0, view.width, view.height);
+  Object.assign(page, { globalCompositeOperation: 'destination-over', globalAlpha: 1, fillStyle: '#fff' });
+  page.fillRect(0, 0, 2 * WIDTH, 2 * HEIGHT);
   return page.canvas.convertToBlob();
 }
 
@@ -136,15 +128,11 @@ function table({ trace, outputs }) {
     });
     lines.push([Number((trace.left + (at + 0.5) * trace.columnSeconds).toPrecision(12)), ...cells].join(','));
   }
-  return new Blob([`${lines.join('\n')}\n`], { type: 'text/csv' });
+  return `${lines.join('\n')}\n`;
 }
 
-/** Saves the screen as "svg", "white" or "dark" (PNG), or "csv". */
+/** Saves the screen as "svg", "png" or "csv". */
 export async function save(kind, model, stem) {
-  const blob = kind === 'csv' ? table(model) : kind === 'svg' ? drawing(model) : await picture(model, kind === 'dark');
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(blob);
-  link.download = `${stem}.${kind === 'white' || kind === 'dark' ? 'png' : kind}`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  const [make, type] = { svg: [drawing, 'image/svg+xml'], png: [picture, 'image/png'], csv: [table, 'text/csv'] }[kind];
+  download(`${stem}.${kind}`, await make(model), type);
 }

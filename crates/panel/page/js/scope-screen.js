@@ -31,9 +31,9 @@ function palette(element) {
 
 /** The beam: lines with a brightness. Lines of one brightness that follow each other are one path. */
 class Beam {
-  begin(context, view, colours, colour, strength) {
-    Object.assign(this, { context, view, colours, colour, strength, level: -1 });
-    clip(context, view);
+  begin(context, scene, colour, strength) {
+    Object.assign(this, { context, scene, colour, strength, level: -1 });
+    clip(context, scene.view);
     context.lineJoin = 'round';
   }
 
@@ -50,12 +50,12 @@ class Beam {
   }
 
   paint() {
-    const { context, view, level } = this;
+    const { context, scene: { view, colours }, level } = this;
     this.lines = 0;
     if (level < 0) return;
     const bright = this.strength * (0.22 + (0.78 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
-    context.strokeStyle = level === LEVELS ? this.colours.bad : this.colour;
-    if (this.colours.dark && bright > 0.3) {
+    context.strokeStyle = level === LEVELS ? colours.bad : this.colour;
+    if (colours.dark && bright > 0.3) {
       context.lineWidth = 6 * view.ratio;
       context.globalAlpha = 0.25 * (bright - 0.3);
       context.stroke();
@@ -82,7 +82,8 @@ const beam = new Beam();
  * Draws a trace against time. A smooth trace is a line through the middles of its columns. A column that reaches
  * beyond this line (noise, an edge) is a bar. The longer the way of the beam in a column, the darker it is.
  */
-function drawColumns(context, view, colours, model, columns, channel, from, to, strength) {
+function drawColumns(context, scene, columns, channel, from, to, strength) {
+  const { view, colours, model } = scene;
   const { gain, zero } = scales(view, model.controls)[channel];
   const width = view.across / model.trace.total;
   const middle = (at) => (lows[at] + highs[at]) / 2;
@@ -99,7 +100,7 @@ function drawColumns(context, view, colours, model, columns, channel, from, to, 
   }
   const [dash, period] = channel === 1 ? [10 * view.ratio, 14 * view.ratio] : [0, 1];
   let way = 0;
-  beam.begin(context, view, colours, colours.traces[channel], strength);
+  beam.begin(context, scene, colours.traces[channel], strength);
   for (let at = from; at < to; at += 1) {
     const here = middle(at);
     if (here !== here) continue;
@@ -139,12 +140,13 @@ class Pen {
     this.exposure = exposure;
   }
 
-  draw(context, view, colours, model, from, to, strength) {
+  draw(context, scene, from, to, strength) {
+    const { view, colours, model } = scene;
     const [across, up] = scales(view, model.controls);
     const { points } = model.trace;
     const isLit = model.lit[0] || model.lit[1];
     this.expose(context, view);
-    beam.begin(context, view, colours, colours.traces[0], strength * this.exposure);
+    beam.begin(context, scene, colours.traces[0], strength * this.exposure);
     for (let at = 3 * from; at < 3 * to; at += 3) {
       const [x, y] = [across.zero + across.gain * points[at], up.zero + up.gain * points[at + 1]];
       this.seconds = Math.max(0, this.seconds + points[at + 2]);
@@ -174,35 +176,35 @@ function darken(context, view, alpha) {
 }
 
 /** The present trace, and the one before where the present one has not arrived. */
-function drawLive(context, view, colours, model) {
-  const { total, reached, period, columns } = model.trace;
+function drawLive(context, scene) {
+  const { outputs, trace: { total, reached, period, columns } } = scene.model;
   const isSteady = period < STEADY;
   const next = reached + (isSteady || reached === 0 ? 0 : Math.ceil(total / 100));
   columns.forEach((each, channel) => {
-    if (!model.outputs[channel]) return;
-    if (next < total) drawColumns(context, view, colours, model, each, channel, next, total, isSteady ? 1 : DIM);
-    if (reached > 0) drawColumns(context, view, colours, model, each, channel, 0, reached, 1);
+    if (!outputs[channel]) return;
+    if (next < total) drawColumns(context, scene, each, channel, next, total, isSteady ? 1 : DIM);
+    if (reached > 0) drawColumns(context, scene, each, channel, 0, reached, 1);
   });
 }
 
-function drawStored(context, view, colours, model, entry) {
-  const { persistence } = model.controls;
-  const strength = persistence > 0 ? DIM * FADED ** ((model.trace.clock - entry.at) / persistence) : DIM;
-  entry.columns.forEach((each, channel) => drawColumns(context, view, colours, model, each, channel, 0, model.trace.total, strength));
+function drawStored(context, scene, { columns, at }) {
+  const { controls: { persistence }, trace } = scene.model;
+  const strength = persistence > 0 ? DIM * FADED ** ((trace.clock - at) / persistence) : DIM;
+  columns.forEach((each, channel) => drawColumns(context, scene, each, channel, 0, trace.total, strength));
 }
 
 /** Draws all traces: finished ones on one layer, the present one on another, or both on one. */
-export function drawTraces(old, live, view, colours, model, pen = new Pen()) {
-  const { trace } = model;
+export function drawTraces(old, live, scene, pen = new Pen()) {
+  const { trace } = scene.model;
   if (trace.plane) {
-    pen.draw(old, view, colours, model, 0, trace.finished, DIM);
+    pen.draw(old, scene, 0, trace.finished, DIM);
     // Parts, so that the brightness of a long curve is adapted on the way.
     for (let at = trace.finished; at < trace.count; at += 2000) {
-      pen.draw(live, view, colours, model, at, Math.min(at + 2000, trace.count), 1);
+      pen.draw(live, scene, at, Math.min(at + 2000, trace.count), 1);
     }
   } else {
-    for (const entry of trace.stored) drawStored(old, view, colours, model, entry);
-    drawLive(live, view, colours, model);
+    for (const entry of trace.stored) drawStored(old, scene, entry);
+    drawLive(live, scene);
   }
 }
 
@@ -218,16 +220,16 @@ export class Screen {
   /** The clock of the trace at the last step of fading. */
   faded = 0;
 
-  constructor(box, canvases) {
-    [this.grid, this.old, this.live] = canvases.map((canvas) => canvas.getContext('2d'));
-    this.box = box;
+  constructor(box, model) {
+    [this.grid, this.old, this.live] = [...box.querySelectorAll('canvas')].map((canvas) => canvas.getContext('2d'));
+    [this.box, this.model] = [box, model];
   }
 
   resize() {
     const ratio = window.devicePixelRatio || 1;
-    const [width, height] = [Math.round(this.box.clientWidth * ratio), Math.round(this.box.clientHeight * ratio)];
+    const [width, height] = [this.box.clientWidth, this.box.clientHeight].map((size) => Math.round(size * ratio));
     this.colours = palette(this.box);
-    this.view = layout(width, height, ratio, 1.9 * this.colours.size * ratio);
+    this.view = layout(width, height, ratio, 1.9 * this.colours.size * ratio, this.model.controls?.display === 'plane');
     for (const { canvas } of [this.grid, this.old, this.live]) if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     this.isStale = true;
   }
@@ -237,26 +239,25 @@ export class Screen {
   }
 
   /** Draws what has changed since the last time. */
-  draw(model) {
-    const { view, colours, old, live, pen } = this;
-    const { trace } = model;
-    if (this.isStale || this.left !== trace.left) drawGrid(this.grid, view, colours, model);
+  draw() {
+    const { old, live, pen, model: { trace } } = this;
+    if (this.isStale || this.left !== trace.left) drawGrid(this.grid, this);
     if (this.isStale || this.version !== trace.version) {
       this.clear(old);
       this.clear(live);
       pen.reset();
-      drawTraces(old, live, view, colours, model, pen);
+      drawTraces(old, live, this, pen);
       this.faded = trace.clock;
     } else {
-      this.fade(model);
+      this.fade();
       if (this.changes === trace.changes) return;
       if (trace.plane) {
-        this.extend(model);
+        this.extend();
       } else {
         const newest = trace.stored.at(-1);
-        if (newest && newest !== this.newest) drawStored(old, view, colours, model, newest);
+        if (newest && newest !== this.newest) drawStored(old, this, newest);
         this.clear(live);
-        drawLive(live, view, colours, model);
+        drawLive(live, this);
       }
     }
     this.isStale = false;
@@ -266,41 +267,41 @@ export class Screen {
   }
 
   /** Draws the new points of a curve. */
-  extend(model) {
-    const { trace } = model;
+  extend() {
+    const { pen, old, live, model: { trace } } = this;
     if (this.begun !== trace.begun) {
-      this.old.globalAlpha = DIM;
-      this.old.drawImage(this.live.canvas, 0, 0);
-      this.clear(this.live);
-      this.pen.reset();
+      old.globalAlpha = DIM;
+      old.drawImage(live.canvas, 0, 0);
+      this.clear(live);
+      pen.reset();
       this.drawn = 0;
     } else {
-      this.pen.seconds -= trace.replaced;
+      pen.seconds -= trace.replaced;
     }
     const from = trace.replaced > 0 ? this.drawn - 1 : this.drawn;
-    this.pen.draw(this.live, this.view, this.colours, model, trace.finished + Math.max(0, from), trace.count, 1);
+    pen.draw(live, this, trace.finished + Math.max(0, from), trace.count, 1);
   }
 
   /** Fades finished traces, and curves behind the spot. */
-  fade({ trace, controls }) {
-    const { plane, clock } = trace;
-    const seconds = controls.persistence || (plane && !controls.store ? AFTERGLOW : Infinity);
+  fade() {
+    const { pen, model: { trace: { plane, clock }, controls: { persistence, store } } } = this;
+    const seconds = persistence || (plane && !store ? AFTERGLOW : Infinity);
     const step = seconds * (Math.log(1 - FADE) / Math.log(FADED));
     if (seconds === Infinity || clock < this.faded) this.faded = clock;
     if (clock - this.faded < step) return;
     const left = (1 - FADE) ** ((clock - this.faded) / step);
     this.faded = clock;
     darken(this.old, this.view, 1 - left);
-    if (!plane || controls.persistence === 0) return;
+    if (!plane || persistence === 0) return;
     darken(this.live, this.view, 1 - left);
-    this.pen.time *= left;
-    this.pen.way *= left;
+    pen.time *= left;
+    pen.way *= left;
   }
 
   /** Place of a channel's spot in CSS pixels; null if it is not on the screen. */
-  spot({ trace, controls, outputs }, channel) {
-    const { view } = this;
-    let [x, y] = channel === 0 ? [this.pen.x, this.pen.y] : [NaN, NaN];
+  spot(channel) {
+    const { view, pen, model: { trace, controls, outputs } } = this;
+    let [x, y] = channel === 0 ? [pen.x, pen.y] : [NaN, NaN];
     if (!trace.plane) {
       if (!outputs[channel] || trace.reached === 0 || trace.reached >= trace.total || trace.period < STEADY) return null;
       const { gain, zero } = scales(view, controls)[channel];

@@ -1,10 +1,10 @@
 /** A storage oscilloscope of the page: screen, controls, cursors, trigger level. */
 
-import { el } from './dom.js';
-import { makeControls, stepOf, stepVolts, TIME_BASES } from './scope-controls.js';
+import { fill, quantity, template, within, write } from './dom.js';
+import { mountControls, setPosition, setVolts, stepBase, stepVolts } from './scope-controls.js';
 import { save } from './scope-export.js';
-import { ACROSS, nameOf, reading, scales, si, UP } from './scope-grid.js';
-import { makeMark, placeMark } from './scope-marks.js';
+import { ACROSS, nameOf, reading, scales, UP } from './scope-grid.js';
+import { mountMark, placeMark } from './scope-marks.js';
 import { Screen } from './scope-screen.js';
 import { Trace } from './scope-trace.js';
 import { on, selectProbe, send, state } from './state.js';
@@ -14,42 +14,24 @@ const [TEXT, READING] = [1000, 100];
 /** Pixels of a wheel for one step. */
 const NOTCH = 60;
 
-const isRound = (value) => Math.abs(stepOf(stepOf(value, 1), -1) / value - 1) < 1e-4;
-const base = (seconds) => Math.min(TIME_BASES.at(-1), Math.max(TIME_BASES[0], seconds));
-
-/** Divisions from the middle of the screen up to 0 V. */
-const positionOf = ({ centre, volts_per_division: volts, inverted }) => (inverted ? centre : -centre) / volts || 0;
-
-function setPosition(each, position) {
-  each.centre = (each.inverted ? position : -position) * each.volts_per_division || 0;
-}
-
-/** Changes the scale. 0 V stays at its place. */
-function setVolts(each, volts) {
-  const position = positionOf(each);
-  each.volts_per_division = volts;
-  setPosition(each, position);
-}
-
 /** Chooses scales so that the traces fill the screen. */
 function autoSet(controls, { outputs, trace }, present) {
   const isTime = controls.display === 'time';
   controls.channels.forEach((each, channel) => {
-    const output = outputs[channel];
     let [low, high] = trace.extent(channel);
     if (low > high) low = high = present[channel];
-    if (!output || !Number.isFinite(low)) return;
+    if (!outputs[channel] || !Number.isFinite(low)) return;
     const size = Math.max(Math.abs(low), Math.abs(high), 1e-3);
     // A trace on both sides of 0 V, or nearly constant, keeps 0 V in the middle.
     const isCentral = high - low > 1.2 * size || high - low < 0.05 * size;
     const divisions = (isTime || channel === 1 ? UP : ACROSS) / 2 - 0.5;
     const half = isCentral ? size : (high - low) / 2;
-    each.volts_per_division = stepVolts((half / divisions) * 0.999, 1, output.signal ? Math.abs(output.per_volt) : 1);
+    each.volts_per_division = stepVolts((half / divisions) * 0.999, 1, outputs[channel], true);
     const middle = isCentral ? 0 : (low + high) / 2 / each.volts_per_division;
     setPosition(each, Math.round((each.inverted ? 2 : -2) * middle) / 2);
   });
   const period = isTime ? trace.periodOf(outputs[0] ? 0 : 1) : 0;
-  if (isTime) controls.seconds_per_division = period > 0 ? base(stepOf((2.5 * period) / ACROSS, 1)) : 0;
+  if (isTime) controls.seconds_per_division = period > 0 ? stepBase((2.5 * period) / ACROSS, 1) : 0;
 }
 
 /** Puts a scope into an element. @param {HTMLElement} root @param {number} index 0 or 1 */
@@ -60,44 +42,36 @@ export function mountScope(root, index) {
   let [places, active, wheel, isPending, isScheduled, isMoving, hasCursors] = [[-1, -1], 0, 0, false, false, false, false];
   let [unanswered, textAt, readAt, frameAt, shown] = [0, 0, 0, 0, ''];
 
-  const canvases = [{ 'aria-hidden': 'true' }, { 'aria-hidden': 'true' }, { role: 'img' }].map((attributes) => el('canvas', attributes));
-  const spots = [1, 2].map((channel) => el('div', { class: `scope-spot scope-channel-${channel}`, hidden: true }));
-  const box = el('div', { class: 'scope-screen' }, canvases, spots);
-  const screen = new Screen(box, canvases);
-  const marks = cursors.map((place, at) => makeMark('scope-cursor', `Cursor ${at + 1}`, screen, (x, y) => {
-    place.splice(0, 2, x, y);
+  const parts = template('scope');
+  const { node, box, picture, readout } = parts;
+  const screen = new Screen(box, model);
+  const spots = box.querySelectorAll('.scope-spot');
+  const [first, second, level] = box.querySelectorAll('[role=slider]');
+  const marks = [first, second];
+  marks.forEach((mark, at) => mountMark(mark, screen, (x, y) => {
+    cursors[at] = [x, y];
     read();
-  }, () => place));
-  const level = makeMark('scope-level', 'Trigger level', screen, (_, y) => change(({ trigger }) => {
+  }, () => cursors[at]));
+  mountMark(level, screen, (_, y) => change(({ trigger }) => {
     trigger.level = Number(voltsAt(trigger.channel, y).toPrecision(4));
   }), () => [1, levelShare()]);
-  box.append(...marks, level);
-  const cells = [0, 1, 2].map(() => ['th', 'td', 'td', 'td'].map((tag) => el(tag, tag === 'th' ? { scope: 'row' } : {})));
-  const readout = el('table', { class: 'scope-readout' },
-    el('thead', {}, el('tr', {}, el('td', {}), ['Cursor 1', 'Cursor 2', 'Difference'].map((text) => el('th', { scope: 'col' }, text)))),
-    el('tbody', {}, cells.map((row) => el('tr', {}, row))));
 
-  const act = {
-    change, positionOf,
-    activate: (channel) => { active = channel; },
-    place: (channel) => selectProbe((output) => change((controls) => { controls.channels[channel].output = output; })),
-    setVolts: (channel, volts) => change(({ channels }) => setVolts(channels[channel], volts)),
-    stepVolts: (channel, direction) => change(({ channels }) => {
-      const { volts_per_division: volts } = channels[channel];
-      const perVolt = Math.abs(model.outputs[channel]?.per_volt ?? 1);
-      setVolts(channels[channel], stepVolts(volts, direction, isRound(volts * perVolt) ? perVolt : 1));
-    }),
-    setPosition: (channel, position) => change(({ channels }) => setPosition(channels[channel], position)),
-    setBase: (seconds) => change((controls) => { controls.seconds_per_division = seconds; }),
-    stepBase: (direction) => act.setBase(base(stepOf(model.span / ACROSS, direction))),
-    setCursors: (shown) => { hasCursors = shown; refresh(); },
-    autoSet: () => change((controls) => autoSet(controls, model, places.map((place) => state.frame?.volts[place]))),
-    erase: () => { trace.erase(performance.now()); send({ command: 'erase', scope: index }); schedule(); },
-    save: (kind) => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`),
-  };
-  const panel = makeControls(model, act);
-  root.classList.add('scope');
-  root.append(box, readout, panel.element);
+  const saveAs = (kind) => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`);
+  const update = mountControls(parts, model, change, {
+    place: (channel) => selectProbe((output) => change(({ channels }) => { channels[channel].output = output; })),
+    cursors: (are) => {
+      hasCursors = are;
+      refresh();
+    },
+    auto: () => change((controls) => autoSet(controls, model, places.map((place) => state.frame?.volts[place]))),
+    erase: () => {
+      trace.erase(performance.now());
+      send({ command: 'erase', scope: index });
+      schedule();
+    },
+    svg: () => saveAs('svg'), png: () => saveAs('png'), csv: () => saveAs('csv'),
+  });
+  root.append(node);
 
   /** Changes the controls. They are sent once before the next picture. */
   function change(edit) {
@@ -111,8 +85,10 @@ export function mountScope(root, index) {
   /** Takes over controls. The screen is erased if its traces do not belong to them. */
   function take(controls) {
     const kind = ({ display, seconds_per_division: seconds, channels }) => [display, seconds, ...channels.map(({ output }) => output)].join();
-    if (model.controls && kind(controls) !== kind(model.controls)) trace.erase(performance.now());
+    const isOther = !model.controls || kind(controls) !== kind(model.controls);
+    if (isOther && model.controls) trace.erase(performance.now());
     model.controls = controls;
+    if (isOther) screen.resize();
     refresh();
   }
 
@@ -126,12 +102,17 @@ export function mountScope(root, index) {
     model.title = `${state.patch?.title || state.patch?.file || 'patch'}, scope ${index + 1}`;
     model.span = spanOf(controls);
     screen.isStale = true;
-    panel.update(controls, others ? state.patch : null);
+    update(controls, others ? state.patch : null);
     schedule();
   }
 
-  const outputsText = () => JSON.stringify([state.patch?.outputs, state.patch?.title]);
-  const spanOf = (controls) => ACROSS * controls.seconds_per_division || state.machine?.sweep || 1;
+  function outputsText() {
+    return JSON.stringify([state.patch?.outputs, state.patch?.title]);
+  }
+
+  function spanOf(controls) {
+    return ACROSS * controls.seconds_per_division || state.machine?.sweep || 1;
+  }
 
   function schedule() {
     if (!isScheduled) requestAnimationFrame(paint);
@@ -151,9 +132,9 @@ export function mountScope(root, index) {
     }
     if (!controls || screen.view.width < 20) return;
     if (screen.isStale || (hasCursors && now - readAt > READING)) read(now);
-    screen.draw(model);
+    screen.draw();
     spots.forEach((spot, channel) => {
-      const at = isMoving ? screen.spot(model, channel) : null;
+      const at = isMoving ? screen.spot(channel) : null;
       spot.hidden = !at;
       if (at) spot.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
     });
@@ -170,7 +151,7 @@ export function mountScope(root, index) {
   function levelShare() {
     const { trigger } = model.controls;
     const { gain, zero } = scales(screen.view, model.controls)[trigger.channel];
-    return Math.min(1, Math.max(0, 1 - (zero + gain * trigger.level - screen.view.y) / screen.view.up));
+    return within(0, 1 - (zero + gain * trigger.level - screen.view.y) / screen.view.up, 1);
   }
 
   /** Writes the readings of the cursors and puts the marks to their places. */
@@ -181,21 +162,20 @@ export function mountScope(root, index) {
     const isPlane = display === 'plane';
     level.hidden = isPlane || trigger.mode === 'run';
     level.dataset.channel = String(trigger.channel + 1);
-    placeMark(level, view, [1, levelShare()], levelShare(), si(trigger.level, 'V'));
-    readout.hidden = !hasCursors;
-    for (const mark of marks) mark.hidden = !hasCursors;
+    placeMark(level, view, [1, levelShare()], levelShare(), quantity(trigger.level, 'V'));
+    for (const each of [readout, ...marks]) each.hidden = !hasCursors;
     if (!hasCursors) return;
     const times = cursors.map(([share]) => trace.left + share * span);
     const apart = times[1] - times[0];
-    const rows = [['t', ...times.map((time) => si(time, 's', 5)), `${si(apart, 's')}, 1/Δt = ${si(1 / apart, 'Hz')}`]];
-    outputs.forEach((output, channel) => {
-      const volts = cursors.map((place) => (isPlane ? voltsAt(channel, place[channel]) : trace.valueAt(channel, place[0])));
-      rows.push(output ? [nameOf(output), ...[...volts, volts[1] - volts[0]].map((value) => reading(value, output))] : null);
-    });
-    if (isPlane) rows[0] = null;
-    rows.forEach((texts, row) => {
-      cells[row][0].parentElement.hidden = !texts;
-      texts?.forEach((text, column) => { if (cells[row][column].textContent !== text) cells[row][column].textContent = text; });
+    const rows = [!isPlane && ['t', ...times.map((time) => quantity(time, 's', 5)), `${quantity(apart, 's')}, 1/Δt = ${quantity(1 / apart, 'Hz')}`],
+      ...outputs.map((output, channel) => {
+        const [from, to] = cursors.map((place) => (isPlane ? voltsAt(channel, place[channel]) : trace.valueAt(channel, place[0])));
+        return output && [nameOf(output), ...[from, to, to - from].map((value) => reading(value, output))];
+      })];
+    rows.forEach((texts, at) => {
+      const row = readout.tBodies[0].rows[at];
+      row.hidden = !texts;
+      if (texts) texts.forEach((text, column) => write(row.cells[column], text));
     });
     marks.forEach((mark, at) => {
       const [right, top] = cursors[at];
@@ -209,27 +189,30 @@ export function mountScope(root, index) {
   function describe(now) {
     textAt = now;
     const { controls, outputs, lit, span } = model;
-    const parts = outputs.flatMap((output, channel) => {
-      if (!output) return [];
-      const value = reading(state.frame?.volts[places[channel]] ?? NaN, output);
-      const scale = reading(controls.channels[channel].volts_per_division, output, '/div');
-      return [`${nameOf(output)}: ${value}, ${scale}${lit[channel] ? ', overloaded' : ''}`];
-    });
-    const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${si(span / ACROSS, 's')}/div`;
-    canvases[2].setAttribute('aria-label', `Scope ${index + 1}, ${kind}. ${parts.join('. ') || 'No probe'}`);
+    const texts = outputs.map((output, channel) => output && [
+      `${nameOf(output)}: ${reading(state.frame?.volts[places[channel]] ?? NaN, output)}`,
+      reading(controls.channels[channel].volts_per_division, output, '/div'), ...(lit[channel] ? ['overloaded'] : []),
+    ].join(', '));
+    const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${quantity(span / ACROSS, 's', 3)}/div`;
+    picture.setAttribute('aria-label', `Scope ${index + 1}, ${kind}. ${texts.filter(Boolean).join('. ') || 'No probe'}`);
   }
 
-  box.addEventListener('wheel', (event) => {
-    if (!model.controls || event.ctrlKey) return;
-    event.preventDefault();
-    wheel += (event.deltaY || event.deltaX) * (event.deltaMode ? NOTCH : 1);
-    if (Math.abs(wheel) < NOTCH) return;
-    const direction = Math.sign(wheel);
-    wheel = 0;
-    if (event.shiftKey) act.stepVolts(active, direction);
-    else if (model.controls.display === 'time') act.stepBase(direction);
-    else for (const channel of [0, 1]) act.stepVolts(channel, direction);
-  }, { passive: false });
+  const stepChannel = (channel, direction) => change(({ channels }) =>
+    setVolts(channels[channel], stepVolts(channels[channel].volts_per_division, direction, model.outputs[channel])));
+  fill(node, { onfocusin: ({ target }) => { active = Number(target.parentElement.dataset.channel ?? active); } });
+  fill(box, {
+    onwheel(event) {
+      if (!model.controls || event.ctrlKey) return;
+      event.preventDefault();
+      wheel += (event.deltaY || event.deltaX) * (event.deltaMode ? NOTCH : 1);
+      if (Math.abs(wheel) < NOTCH) return;
+      const direction = Math.sign(wheel);
+      wheel = 0;
+      if (event.shiftKey) stepChannel(active, direction);
+      else if (model.controls.display === 'time') change((controls) => { controls.seconds_per_division = stepBase(model.span / ACROSS, direction); });
+      else for (const channel of [0, 1]) stepChannel(channel, direction);
+    },
+  });
 
   const resize = () => {
     screen.resize();

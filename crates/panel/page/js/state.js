@@ -10,11 +10,8 @@ export const state = {
   host: null,
 };
 
-/** Which events are kept, and which part of them. */
-const KEPT = {
-  hello: (data) => data, patch: (data) => data, machine: (data) => data, schematic: (data) => data,
-  equations: (data) => data, findings: (data) => data.findings, scopes: (data) => data.scopes,
-};
+/** Events that are kept as their list. */
+const LISTS = ['findings', 'scopes'];
 
 /** @type {Map<string, Set<(data: any) => void>>} */
 const listeners = new Map();
@@ -98,7 +95,7 @@ async function pump() {
 function receive({ text, frame }) {
   const { events } = JSON.parse(text);
   for (const { event, ...data } of events) {
-    if (event in KEPT) state[event] = KEPT[event](data);
+    if (event in state) state[event] = LISTS.includes(event) ? data[event] : data;
     // Voltages belong to one patch: those of the last one would be shown at the wrong outputs.
     if (event === 'patch') state.frame = null;
   }
