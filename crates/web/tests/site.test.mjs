@@ -38,7 +38,7 @@ async function send(worker, ...commands) {
   return { events: JSON.parse(answer.text).events, ...answer };
 }
 
-for (const type of ['application/wasm', 'application/wasm; charset=utf-8', 'application/octet-stream']) {
+for (const type of ['application/wasm', 'application/wasm; charset=utf-8', 'text/plain']) {
   test(`the engine is loaded as ${type}`, async () => {
     const { id, events, frame } = await send(await start(typed(type)), { command: 'hello' });
     assert.equal(id, 1);
