@@ -3,7 +3,16 @@
 //! The interpreter is written once for all lanes. [`Lane`] has the operations that it needs. `f64` is one run, and
 //! [`Lanes`] is one run per element of an array, which the compiler keeps in vector registers.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use crate::multiply_add::multiply_add;
+
+/// Carries out operations, compiled for the widest registers of the processor. `pulp` selects them when the program
+/// runs. WebAssembly cannot ask for the processor, and its code is loaded with the page, so there they are compiled once.
+#[inline(always)]
+pub(super) fn dispatch<O: NullaryFnOnce>(operations: O) -> O::Output {
+    if cfg!(target_family = "wasm") { operations.call() } else { Arch::new().dispatch(operations) }
+}
 
 /// One or several numbers to which the same operations apply. Each is rounded as if it were alone.
 pub(crate) trait Lane: Copy {

@@ -13,11 +13,9 @@ mod survey;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use pulp::Arch;
-
 use super::code::Slot;
 use super::frame::{Extremes, Frame};
-use super::lane::{Lane, Lanes};
+use super::lane::{Lane, Lanes, dispatch};
 use super::{Checks, Kernel, SafeInterval, Steps};
 use survey::{Search, Survey};
 
@@ -222,14 +220,14 @@ impl Rows {
             return steps;
         }
         self.next = MIN_BLOCK;
-        let taken = Arch::new().dispatch(Search { columns, rows: self, steps });
+        let taken = dispatch(Search { columns, rows: self, steps });
         self.survey(columns, taken);
         taken
     }
 
     /// Finds the extremes of the columns in some rows. Returns whether all rows are within their bounds.
     fn survey(&mut self, columns: &RowLayout, steps: u64) -> bool {
-        Arch::new().dispatch(Survey { columns, rows: self, steps })
+        dispatch(Survey { columns, rows: self, steps })
     }
 }
 

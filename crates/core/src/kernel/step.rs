@@ -9,10 +9,10 @@
 //!
 //! Delay lines cut a step into pieces, each of which is such a step (`delays`).
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 
 use super::frame::{Extremes, Frame};
-use super::lane::Lane;
+use super::lane::{Lane, dispatch};
 use super::span::Span;
 use super::{Checks, Kernel, Steps};
 use crate::delay_line::DelayLine;
@@ -319,16 +319,16 @@ fn control_point<V: Lane>(sum: V, [begin, end]: [V; 2]) -> V {
     begin.add(end).multiply_add(V::splat(-0.5), sum)
 }
 
-/// The same operations, compiled for the widest registers of the processor. `pulp` selects them when the program runs.
+/// The same operations, compiled for the widest registers of the processor.
 impl Kernel {
     /// Takes steps of a grid until a watch is hit. Returns how many were taken.
     pub(crate) fn steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
-        Arch::new().dispatch(AllSteps { kernel: self, frame, tables, grid })
+        dispatch(AllSteps { kernel: self, frame, tables, grid })
     }
 
     /// Evaluates everything at the states and the time in the slots.
     pub(crate) fn evaluate<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
-        Arch::new().dispatch(AtSlots { kernel: self, frame, tables });
+        dispatch(AtSlots { kernel: self, frame, tables });
     }
 
     /// Evaluates a step of this length, without taking it, and tests every watch.
@@ -338,7 +338,7 @@ impl Kernel {
         tables: &[Vec<[f64; 2]>],
         length: f64,
     ) -> LookResult {
-        let is_hit_at_end = Arch::new().dispatch(OneLook { kernel: self, frame, tables, length });
+        let is_hit_at_end = dispatch(OneLook { kernel: self, frame, tables, length });
         self.look_result(frame, is_hit_at_end)
     }
 
@@ -378,7 +378,7 @@ impl Kernel {
         tables: &[Vec<[f64; 2]>],
         end: f64,
     ) -> bool {
-        Arch::new().dispatch(OneStep { kernel: self, frame, tables, end })
+        dispatch(OneStep { kernel: self, frame, tables, end })
     }
 }
 

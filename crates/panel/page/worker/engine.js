@@ -16,8 +16,8 @@ async function load() {
   const file = new URL('../engine.wasm', import.meta.url);
   const response = await fetch(file);
   if (!response.ok) throw new Error(`The file engine.wasm is missing next to the page (${response.status}).`);
-  // Some web servers do not know the type of WebAssembly, and browsers refuse to compile another type as it arrives.
-  const isKnown = response.headers.get('content-type')?.split(';')[0].trim() === 'application/wasm';
+  // Some web servers do not know the type of WebAssembly, and browsers compile no other type as it arrives.
+  const isKnown = response.headers.get('content-type') === 'application/wasm';
   const imports = { host: { now: () => performance.now(), fail } };
   const { instance } = isKnown
     ? await WebAssembly.instantiateStreaming(response, imports)

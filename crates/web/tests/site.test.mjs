@@ -1,0 +1,114 @@
+// Tests of the folder that crates/web/build-site writes:
+//
+//     node --test crates/web/tests/
+//
+// With the path of the command in PATCHCORD, the samples of every shipped patch are compared with those of the command.
+
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, readdirSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import test from 'node:test';
+import { fileURLToPath, pathToFileURL } from 'node:url';
+
+const root = fileURLToPath(new URL('../../../', import.meta.url));
+const site = join(process.env.CARGO_TARGET_DIR ?? join(root, 'target'), 'site');
+
+let workers = 0;
+
+/** Loads engine.js as a Worker does, from a web server with this response. Returns a function that sends a message. */
+async function start(respond) {
+  globalThis.fetch = async (url) => respond(readFileSync(fileURLToPath(url)));
+  await import(`${pathToFileURL(join(site, 'worker/engine.js'))}?${workers += 1}`);
+  const { onmessage } = globalThis;
+  return (data) => new Promise((resolve) => {
+    globalThis.postMessage = (answer, transfer) => resolve({ ...answer, transfer });
+    onmessage({ data });
+  });
+}
+
+const typed = (type) => (bytes) => new Response(bytes, { headers: { 'content-type': type } });
+const wasm = typed('application/wasm');
+
+/** Sends commands, and returns the events of the answer and its frame. */
+async function send(worker, ...commands) {
+  const answer = await worker({ id: 1, text: JSON.stringify({ id: 1, commands }) });
+  assert.equal(answer.failed, undefined);
+  return { events: JSON.parse(answer.text).events, ...answer };
+}
+
+for (const type of ['application/wasm', 'application/wasm; charset=utf-8', 'text/plain']) {
+  test(`the engine is loaded as ${type}`, async () => {
+    const { id, events, frame } = await send(await start(typed(type)), { command: 'hello' });
+    assert.equal(id, 1);
+    assert.equal(events[0].event, 'hello');
+    assert.equal(frame, null);
+  });
+}
+
+test('a frame is transferred', async () => {
+  const { frame, transfer } = await send(await start(wasm), { command: 'advance', seconds: 0.02 });
+  assert.ok(frame instanceof ArrayBuffer && frame.byteLength > 0);
+  assert.deepEqual(transfer, [frame]);
+});
+
+test('requests are answered in order, also those that come before the engine', async () => {
+  const worker = await start(wasm);
+  const ids = [1, 2, 3];
+  const answers = [];
+  const all = new Promise((resolve) => {
+    for (const id of ids) worker({ id, text: JSON.stringify({ id, commands: [] }) });
+    globalThis.postMessage = (answer) => {
+      answers.push(answer.id);
+      if (answers.length === ids.length) resolve();
+    };
+  });
+  await all;
+  assert.deepEqual(answers, ids);
+});
+
+test('a missing engine is reported', async () => {
+  const worker = await start(() => new Response('', { status: 404 }));
+  assert.match((await worker({ id: 5, text: '' })).failed, /engine.wasm is missing/);
+});
+
+test('a panic is reported, and no request is answered after it', async () => {
+  const encode = TextEncoder.prototype.encode;
+  const worker = await start(wasm);
+  await send(worker, { command: 'hello' });
+  TextEncoder.prototype.encode = () => ({ length: 0xffff_ffff });
+  const { failed } = await worker({ id: 6, text: '' });
+  TextEncoder.prototype.encode = encode;
+  assert.match(failed, /fault in patchcord: panicked at .*capacity overflow/s);
+  assert.equal((await worker({ id: 7, text: '{"id": 7, "commands": []}' })).failed, failed);
+});
+
+test('the engine needs nothing but its host', async () => {
+  const module = new WebAssembly.Module(readFileSync(join(site, 'engine.wasm')));
+  assert.deepEqual(WebAssembly.Module.imports(module).map((entry) => `${entry.module}.${entry.name}`).sort(), ['host.fail', 'host.now']);
+});
+
+test('messages name no folder of the computer that compiled the engine', () => {
+  const engine = readFileSync(join(site, 'engine.wasm')).toString('latin1');
+  assert.ok(engine.includes('crates/core/src/'));
+  assert.doesNotMatch(engine, /\/(home|root|usr|Users)\//);
+});
+
+test('the samples of shipped patches have the bits of the command', { skip: !process.env.PATCHCORD }, async (t) => {
+  const worker = await start(wasm);
+  const folder = mkdtempSync(join(tmpdir(), 'patchcord-'));
+  t.after(() => rmSync(folder, { recursive: true }));
+  for (const group of ['lessons', 'others', 'problems', 'thesis']) {
+    for (const name of readdirSync(join(root, 'patches', group)).filter((file) => file.endsWith('.json'))) {
+      const file = join(root, 'patches', group, name);
+      const csv = join(folder, 'samples.csv');
+      execFileSync(process.env.PATCHCORD, ['run', file, '--csv', csv], { stdio: ['ignore', 'ignore', 'inherit'] });
+      const text = readFileSync(file, 'utf8');
+      const { events } = await send(worker, { command: 'open', name, text }, { command: 'run' });
+      const table = events.find(({ event }) => event === 'table');
+      assert.ok(table, `${name}: ${JSON.stringify(events.find(({ event }) => event === 'refused'))}`);
+      assert.ok(table.csv === readFileSync(csv, 'utf8'), `${group}/${name} has other samples than the command`);
+    }
+  }
+});
