@@ -1,8 +1,8 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { fill, quantity, svg, within, write } from './dom.js';
+import { fill, svg, within, write } from './dom.js';
 import { placeName } from './messages.js';
-import { choose, outputName, probes } from './probes.js';
+import { choose, outputName, probes, reading } from './probes.js';
 import { emit, highlight, on, state } from './state.js';
 
 /** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
@@ -129,9 +129,7 @@ export function mountSchematic(root) {
   const valueText = (name) => {
     const { index } = cells.get(name) ?? {};
     const volts = state.frame?.volts[index];
-    if (volts === undefined) return '';
-    const { signal, unit, per_volt: perVolt } = state.patch.outputs[index];
-    return `${signal ? `${quantity(volts * perVolt, unit)}, ` : ''}${voltsText(volts)} V`;
+    return volts === undefined ? '' : reading(volts, state.patch.outputs[index]);
   };
   const showInfo = () => {
     const cell = cells.get(lit);
