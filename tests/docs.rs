@@ -87,11 +87,14 @@ pub(crate) fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     files_with_endings(folder, &["rs"], found);
 }
 
-/// The files below a folder whose names have one of these endings.
+/// The files below a folder whose names have one of these endings. The packages that `npm` installs for the browser tests
+/// are not ours.
 pub(crate) fn files_with_endings(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
     for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if path.is_dir() {
-            files_with_endings(&path, endings, found);
+            if !path.ends_with("node_modules") {
+                files_with_endings(&path, endings, found);
+            }
         } else if path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known)) {
             found.push(path);
         }

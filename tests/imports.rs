@@ -28,6 +28,7 @@ const MODULES: [(&str, &[&str]); 10] = [
             "low_discrepancy",
             "multiply_add",
             "parabola",
+            "chords",
             "delay_line",
             "document",
             "ir",
@@ -71,6 +72,7 @@ const MODULES: [(&str, &[&str]); 10] = [
             "html",
             "plot",
             "envelope",
+            "picture_data",
             "picture_samples",
             "family",
             "faults",
@@ -85,8 +87,8 @@ const MODULES: [(&str, &[&str]); 10] = [
     (
         "panel",
         &[
-            "pages", "scope", "command", "frame", "event", "compiled", "wiring", "places", "document",
-            "view", "session",
+            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches", "places",
+            "document", "view", "session",
         ],
     ),
     (

@@ -26,7 +26,7 @@ and below it, and it writes no files. A browser saves patches in its own folder 
 #[derive(Args)]
 #[command(after_help = SAFETY)]
 pub(super) struct Arguments {
-    /// Patch file (JSON) on the panel, also with faults; - reads standard input. Without it, the panel is empty
+    /// Patch file (JSON) on the panel, also with faults; - reads standard input. Without it, the page begins with the gallery
     patch: Option<PathBuf>,
     /// Port of the server; 0 selects any free port. The default is 1451, or the next one that is free
     #[arg(long, value_name = "N")]

@@ -4,8 +4,8 @@
 //! low peaks, and the files. The last line is a summary. With `--verbose` the work of the solver is added. An overload
 //! fails the command only with `--fail-on-overload`, after everything is written and printed. If a run stops with an
 //! error, the samples before the error are still written to the files, and the overloads before it are printed. Without
-//! pictures, and if a long run has pictures against time only, the table is written during the run, so that the memory
-//! of the run does not grow with its rows.
+//! pictures, and if a long run has pictures that do not need every sample, the table is written during the run, so that
+//! the memory of the run does not grow with its rows.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -142,8 +142,8 @@ impl Arguments {
 
     /// The run settings from the patch and the options.
     ///
-    /// Options take precedence over the patch. Signals of pictures are added if pictures are drawn. The trace does not
-    /// keep the samples.
+    /// Options take precedence over the patch. Signals and curves of pictures are added if pictures are drawn. The trace
+    /// does not keep the samples.
     fn settings(&self, circuit: &Circuit, program: &Program) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
         let settings = self.times.settings(&plan, circuit, program);
@@ -152,6 +152,9 @@ impl Arguments {
             settings.record = self.recorded(circuit)?;
         }
         settings.sensitivities = self.parameters(circuit)?;
+        if self.files.draw() {
+            settings.curves = circuit.drawn_curves();
+        }
         settings.checks_steps = true;
         settings.finds_amplifier_peaks = true;
         settings.block_samples = Some(BLOCK_SAMPLES);

@@ -107,21 +107,26 @@ fn check_reports_why_a_patch_cannot_be_run() {
     assert!(json(&patchcord(&["check", FIG_8_16, "--json"]))["cannot_be_run"].is_null());
 }
 
-/// Without pictures against a signal, samples do not stay in memory.
+/// Samples stay in memory only for pictures of derivatives against a signal, which have no curves.
 #[test]
-fn only_a_run_with_pictures_against_a_signal_is_refused_for_the_memory_of_its_samples() {
+fn only_a_run_with_derivatives_against_a_signal_is_refused_for_the_memory_of_its_samples() {
     let run = "{\"for\": 3.25, \"step\": 1e-3}";
     // 3.25e8 samples, and 9.75e10 numbers.
     let with_interval = |every: &str| {
-        let pictures = r#""pictures": [{"x": "x", "y": ["A1"]}]"#;
-        spring_with(run, &format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}},\n  {pictures}"))
+        let more = r#""parameters": {"w": {"value": 0.394784176, "unit": "1", "range": [0.1, 0.9]}},
+  "pictures": [{"x": "x", "y": ["d x / d w"]}]"#;
+        let run_and_more = format!("{{\"for\": 3.25, \"step\": 1e-3, \"every\": {every}}},\n  {more}");
+        let (folder, file) = spring_with(run, &run_and_more);
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(&file, text.replace("\"setting\": 0.394784176", "\"setting\": \"w\"")).unwrap();
+        (folder, file)
     };
     let (folder, file) = with_interval("1e-8");
     assert!(json(&patchcord(&["check", &file, "--json"]))["cannot_be_run"].is_null());
     let plot = path(&folder, "x.svg");
     let refused = patchcord(&["run", &file, "--plot", &plot, "--json"]);
     assert_eq!((code(&refused), &json(&refused)["code"]), (1, &"too-many-numbers".into()));
-    let wanted = "would record 3.25e8 samples; at most 2380950 are allowed with pictures that need every sample, \
+    let wanted = "would record 3.25e8 samples; at most 2173910 are allowed with pictures that need every sample, \
                   because one is against a signal: give a longer --every";
     assert!(errors(&refused).contains(wanted), "{}", errors(&refused));
     // An option causes the same error.

@@ -163,6 +163,11 @@ impl DelayLine {
         self
     }
 
+    /// Size of the stored past in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.past.len() * size_of::<Sample>() + self.discontinuities.len() * size_of::<Discontinuity>()
+    }
+
     /// The delay in problem seconds.
     pub(crate) fn delay(&self) -> f64 {
         self.delay

@@ -14,6 +14,7 @@
 #[cfg(test)]
 extern crate self as patchcord_core;
 
+pub mod chords;
 pub mod circuit;
 mod delay_line;
 mod divided_differences;

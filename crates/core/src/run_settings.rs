@@ -41,6 +41,7 @@ impl RunSettings {
             finds_amplifier_peaks: false,
             block_samples: None,
             record: circuit.recorded_signals(),
+            curves: Vec::new(),
             sensitivities: circuit.sensitivity_parameters(),
             backend: Backend::default(),
         })

@@ -110,6 +110,26 @@ fn points_within_long_steps_are_on_the_curve() {
 }
 
 #[test]
+fn steps_as_long_as_the_distance_of_points_have_no_points_within() {
+    let program = oscillator();
+    let settings = RunSettings::from_phases([patchcord_core::solve::Phase::operate(3.0)], 1e-3);
+    let settings = settings.with_signals(["A1"]);
+    for backend in [Backend::Reference, Backend::Interpreter, Backend::Native] {
+        let mut live = LiveRun::new(&program, &settings.clone().with_backend(backend)).unwrap();
+        live.watch(&["A1"], 1e-3, f64::INFINITY).unwrap();
+        while live.advance(4.0, u64::MAX).unwrap() != LiveState::Finished {}
+        let points: Vec<(f64, f64)> = live.points().iter().map(|(time, volts)| (time, volts[0])).collect();
+        assert!(points.len() >= 3001, "{backend:?}: {}", points.len());
+        for pair in points.windows(2) {
+            let (time, volts) = pair[1];
+            assert!((volts - 80.0 * time.cos()).abs() < 1e-8, "{backend:?}: {volts} V at {time} s");
+            let distance = time - pair[0].0;
+            assert!(distance.abs() < 1e-9 || (distance - 1e-3).abs() < 1e-9, "{backend:?}: {distance} s");
+        }
+    }
+}
+
+#[test]
 fn both_sides_of_a_jump_are_points() {
     let relay = ElementBuilder::new("relay").cord("in", "A1").cord("on", "+100").cord("off", "-100");
     let patch = PatchBuilder::new("jump")

@@ -10,6 +10,7 @@ mod bouncing_ball;
 mod brake;
 mod common;
 mod coupled_loops;
+mod curves;
 mod delay;
 mod edits;
 mod elements;

@@ -126,8 +126,8 @@ impl TraceEnvelope {
         }
     }
 
-    /// The trace with the samples of the envelope. `run` has the tracks, the repetitions and the phases of the whole
-    /// record. Indices of samples are those of the envelope.
+    /// The trace with the samples of the envelope. `run` has the tracks, the repetitions, the phases and the curves of the
+    /// whole record. Indices of samples are those of the envelope.
     pub fn into_trace(self, run: &Trace) -> Trace {
         let mut trace = run.without_tracks();
         for repetition in &mut trace.repetitions {
@@ -139,7 +139,7 @@ impl TraceEnvelope {
         let mut volts = self.volts.into_iter();
         let track = |track: &Track| Track { volts: volts.next().unwrap_or_default(), ..track.clone() };
         trace.tracks = run.tracks.iter().map(track).collect();
-        Trace { time: self.time, ..trace }
+        Trace { time: self.time, curves: run.curves.clone(), ..trace }
     }
 
     /// The index in the envelope of the group of a sample. It is the length of the envelope for a sample after the last

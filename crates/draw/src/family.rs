@@ -2,18 +2,19 @@
 
 use indexmap::IndexMap;
 
+use crate::picture_data::PointSource;
 use patchcord_analysis::format::QuantityFormat;
 use patchcord_core::trace::{PhaseKind, Trace};
 
 /// The maximum number of labelled runs; labels of more runs would not be readable.
 const MAX_RUNS: usize = 50;
 
-/// Returns the labels of the runs, each with the index of the last sample of its run.
+/// Returns the labels of the runs, each with the index of the last point of its run.
 ///
 /// A label contains the parameters that differ between runs, with their values in operate and hold:
 /// `k = 10, then 20 N/m`. Consecutive runs with the same label share one, at the last of them. The list
 /// is empty if all runs are equal or if there are more than [`MAX_RUNS`].
-pub(super) fn labels(trace: &Trace) -> Vec<(usize, String)> {
+pub(super) fn labels(trace: &Trace, points: &PointSource<'_>) -> Vec<(usize, String)> {
     if trace.repetitions.len() > MAX_RUNS {
         return Vec::new();
     }
@@ -23,13 +24,13 @@ pub(super) fn labels(trace: &Trace) -> Vec<(usize, String)> {
         let texts = run.iter().filter(|(name, _)| differs(name)).map(|(name, values)| values.label(name));
         texts.collect::<Vec<_>>().join(", ")
     };
-    let ends = trace.repetitions.iter().skip(1).map(|repetition| repetition.first).chain([trace.len()]);
+    let ends = points.begins.iter().skip(1).copied().chain([points.time.len()]);
     let labels: Vec<_> = ends.zip(runs.iter().map(label)).enumerate().collect();
     let groups = labels.chunk_by(|(_, one), (_, next)| one.1 == next.1);
     groups.filter(|runs| !runs[0].1.1.is_empty()).filter_map(label_of).collect()
 }
 
-/// Returns the common label of consecutive runs; `runs` are their indices, last samples and labels.
+/// Returns the common label of consecutive runs; `runs` are their indices, ends and labels.
 fn label_of(runs: &[(usize, (usize, String))]) -> Option<(usize, String)> {
     let (first, (last, (end, label))) = (runs.first()?.0 + 1, runs.last()?);
     let suffix = if runs.len() > 1 { format!(", runs {first} to {}", last + 1) } else { String::new() };
@@ -118,6 +119,12 @@ mod tests {
         }
     }
 
+    /// The labels of the samples of a trace.
+    fn labels_of(trace: &Trace) -> Vec<(usize, String)> {
+        let begins = trace.repetitions.iter().map(|repetition| repetition.first).collect();
+        labels(trace, &PointSource { first: 0, time: trace.time.as_slice().into(), begins })
+    }
+
     #[test]
     fn labels_contain_what_differs_between_runs() {
         let runs: [&[PhaseKind]; 3] = [
@@ -130,7 +137,7 @@ mod tests {
             (19, "k = 20 N/m, c = 1 N/m"),
             (29, "k = 40 N/m, c = 1 N/m"),
         ];
-        assert_eq!(labels(&trace(&runs)), expected.map(|(sample, label)| (sample, label.to_owned())));
+        assert_eq!(labels_of(&trace(&runs)), expected.map(|(sample, label)| (sample, label.to_owned())));
     }
 
     #[test]
@@ -139,15 +146,15 @@ mod tests {
         let [first, close, closer] = [20.0, 20.001, 20.000_1].map(corrected);
         let expected = [(9, "k = 10 N/m"), (39, "k = 20 N/m, runs 2 to 4")];
         let expected = expected.map(|(sample, label)| (sample, label.to_owned()));
-        assert_eq!(labels(&trace(&[&first, &close, &closer, &closer])), expected);
+        assert_eq!(labels_of(&trace(&[&first, &close, &closer, &closer])), expected);
     }
 
     #[test]
     fn equal_runs_have_no_label() {
         let run: &[PhaseKind] = &[PhaseKind::InitialCondition, set("k", 10.0, 10.0), OPERATE];
-        assert_eq!(labels(&trace(&[run, run])), []);
-        assert_eq!(labels(&trace(&[])), []);
+        assert_eq!(labels_of(&trace(&[run, run])), []);
+        assert_eq!(labels_of(&trace(&[])), []);
         let plain: &[PhaseKind] = &[PhaseKind::InitialCondition, OPERATE];
-        assert_eq!(labels(&trace(&[plain; 3])), []);
+        assert_eq!(labels_of(&trace(&[plain; 3])), []);
     }
 }

@@ -7,6 +7,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use crate::picture_data::PointSource;
 use crate::plot::{Marker, Picture};
 use patchcord_analysis::format::{QuantityFormat, format_quantity};
 use patchcord_analysis::instruments::SignalFault;
@@ -14,10 +15,11 @@ use patchcord_core::document::derivative_of;
 use patchcord_core::patch::PictureSpec;
 use patchcord_core::trace::Trace;
 
-/// Marks the faults of the signals of a picture. `across` is the display of the values along the horizontal axis.
+/// Marks the faults of the signals of a picture. `sources` are the points of its channels, and `across` is the display of
+/// the values along the horizontal axis.
 pub(super) fn mark(
     mut picture: Picture,
-    trace: &Trace,
+    (trace, sources): (&Trace, &[PointSource<'_>]),
     spec: &PictureSpec,
     faults: &[SignalFault],
     across: &QuantityFormat,
@@ -26,8 +28,8 @@ pub(super) fn mark(
     let curves: Vec<_> = spec.y.iter().map(|y| curve_faults(faults, [&y.value, x])).collect();
     let all = curves.iter().flatten().copied();
     let Some(first) = all.min_by(|one, other| one.time.total_cmp(&other.time)) else { return picture };
-    for (channel, faults) in picture.channels.iter_mut().zip(&curves) {
-        channel.wrong = faults.iter().map(|fault| wrong_samples(trace, fault)).collect();
+    for ((channel, faults), source) in picture.channels.iter_mut().zip(&curves).zip(sources) {
+        channel.wrong = faults.iter().map(|fault| wrong_points(source, fault)).collect();
     }
     let label = format!("{} from {}", first.cause, time_text(first, x, across));
     picture.warning = Some(warning(&label, first, &curves, trace));
@@ -54,11 +56,11 @@ fn curve_faults<'f>(faults: &'f [SignalFault], names: [&str; 2]) -> Vec<&'f Sign
     earliest
 }
 
-/// Returns the samples from a fault to the end of its run.
-fn wrong_samples(trace: &Trace, fault: &SignalFault) -> Range<usize> {
-    let first = |run: usize| trace.repetitions.get(run).map_or(trace.len(), |repetition| repetition.first);
+/// Returns the points from a fault to the end of its run.
+fn wrong_points(source: &PointSource<'_>, fault: &SignalFault) -> Range<usize> {
+    let first = |run: usize| source.begins.get(run).copied().unwrap_or(source.time.len());
     let (begin, end) = (first(fault.repetition), first(fault.repetition + 1));
-    let times = trace.time.get(begin..end).unwrap_or_default();
+    let times = source.time.get(begin..end).unwrap_or_default();
     begin + times.partition_point(|time| *time < fault.time)..end
 }
 

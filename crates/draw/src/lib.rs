@@ -14,6 +14,7 @@ mod envelope;
 mod family;
 mod faults;
 pub mod html;
+mod picture_data;
 mod picture_samples;
 mod plane;
 pub mod plot;
@@ -24,8 +25,9 @@ mod sensitivity;
 
 pub use bode::bode;
 pub use envelope::TraceEnvelope;
+pub use picture_data::ScopeError;
 pub use picture_samples::{PictureSamples, SampleDemand, TooManySamplesError, picture_samples};
 pub use plane::ProfilePlane;
 pub use profile_picture::{ProfileSignal, profile_picture};
-pub use scope::{ScopeError, picture};
+pub use scope::picture;
 pub use sensitivity::sensitivity_pictures;

@@ -1,6 +1,7 @@
 //! The samples of a run that its pictures need.
 //!
-//! A picture against time looks the same with the envelope of the run. A picture against a signal needs every sample.
+//! A picture against time looks the same with the envelope of the run. A picture against a signal needs no sample if the
+//! run follows its curves, and every sample otherwise.
 
 use crate::envelope::TraceEnvelope;
 use crate::plot::Size;
@@ -76,7 +77,7 @@ pub struct TooManySamplesError {
 /// Why pictures need every sample of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SampleDemand {
-    /// A picture is against a signal.
+    /// A picture is against a signal, and the run does not follow its curves.
     AgainstSignal,
     /// The envelope has too few groups for each of the runs.
     ManyRuns,
@@ -101,8 +102,8 @@ impl SampleDemand {
 ///
 /// # Errors
 ///
-/// If they need more samples than the memory permits: a picture is against a signal, the samples belong to many runs,
-/// or the envelope is too large because of the width or the number of curves.
+/// If they need more samples than the memory permits: a picture is against a signal and the settings do not have its
+/// curves, the samples belong to many runs, or the envelope is too large because of the width or the number of curves.
 ///
 /// # Examples
 ///
@@ -144,7 +145,7 @@ pub fn picture_samples(
         return Ok(PictureSamples::All);
     }
     let refused = |reason| Err(TooManySamplesError { samples, max, reason });
-    if pictures.iter().any(|picture| picture.x.value != "t") {
+    if !pictures.iter().all(|picture| picture.x.value == "t" || is_followed(picture, settings)) {
         return refused(SampleDemand::AgainstSignal);
     }
     let permitted_groups = max / SAMPLES_PER_GROUP;
@@ -163,6 +164,12 @@ pub fn picture_samples(
     } else {
         refused(SampleDemand::ManyRuns)
     }
+}
+
+/// Whether the run follows all curves of a picture against a signal.
+fn is_followed(picture: &PictureSpec, settings: &RunSettings) -> bool {
+    let is_curve_of = |y: &str, (along, up): &(String, String)| *along == picture.x.value && up == y;
+    picture.y.iter().all(|y| settings.curves.iter().any(|curve| is_curve_of(&y.value, curve)))
 }
 
 /// The number of runs of the greatest length that take as long as all runs together. It is 1 for runs without duration.
@@ -213,6 +220,16 @@ mod tests {
             assert!(numbers <= MAX_NUMBERS, "{count}: {groups}");
             assert!(0.5 * groups as f64 >= 2.0 * 900.0 * repetitions as f64, "{count}: {groups}");
         }
+    }
+
+    #[test]
+    fn pictures_against_a_signal_need_few_samples_if_the_run_follows_their_curves() {
+        let settings = RunSettings::from_phases([], 1.0).with_duration(3e6).with_signals(["x", "y"]);
+        let mixed = [specs("t", 1), specs("x", 1)].concat();
+        let samples = |settings: RunSettings| picture_samples(&mixed, &settings, Size::default(), 1.0);
+        let few = Ok(PictureSamples::Envelope { groups: 45_000 });
+        assert_eq!(samples(settings.clone().with_curves([("x", "y")])), few);
+        assert!(samples(settings.with_curves([("y", "x")])).is_err());
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use crate::picture_data::Quantity;
 use crate::plane::ProfilePlane;
 use crate::plot::{Axis, Channel, Picture};
-use crate::scope::{Quantity, axis};
+use crate::scope::axis;
 use patchcord_analysis::instruments::{RampDirection, VelocityProfile};
 
 /// A signal of a velocity profile.

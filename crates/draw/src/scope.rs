@@ -4,50 +4,18 @@ use std::collections::HashSet;
 
 use crate::family::labels;
 use crate::faults;
+use crate::picture_data::{self, PictureData, PointSource, Quantity, ScopeError, title};
 use crate::plot::{Axis, Channel, Marker, Picture};
 use patchcord_analysis::format::QuantityFormat;
 use patchcord_analysis::instruments::{SignalFault, phase_description};
 use patchcord_core::patch::PictureSpec;
-use patchcord_core::trace::{PhaseKind, PhaseRecord, Trace, Track};
-
-/// The reasons why a picture of a trace cannot be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ScopeError {
-    /// A signal of the picture was not recorded.
-    #[error("the picture \"{picture}\" shows {signal}, which was not recorded")]
-    NotRecorded {
-        /// The title of the picture.
-        picture: String,
-        /// The name of the signal.
-        signal: String,
-    },
-    /// The signals have more than two units, but a picture has two vertical axes.
-    #[error("the picture \"{picture}\" shows signals in more than two units; draw two pictures")]
-    TooManyUnits {
-        /// The title of the picture.
-        picture: String,
-    },
-}
-
-/// The values of a quantity along an axis.
-pub(super) struct Quantity<'t> {
-    /// Its name, such as `v_o`; "t" for time.
-    pub name: &'t str,
-    /// The text of its unit.
-    pub unit: &'t str,
-    /// One value for each sample, in that unit.
-    pub values: Vec<f64>,
-}
-
-impl<'t> Quantity<'t> {
-    /// Returns the samples of a recorded signal.
-    fn of(track: &'t Track) -> Self {
-        Quantity { name: &track.name, unit: &track.unit, values: track.values().collect() }
-    }
-}
+use patchcord_core::trace::{PhaseKind, PhaseRecord, Trace};
 
 /// Returns the picture that a patch specifies, from the recorded signals.
+///
+/// A picture against a signal shows the curves that the run followed, which are round between samples. If the run did
+/// not follow all of them ([`RunSettings::with_curves`](patchcord_core::solve::RunSettings::with_curves)), the samples
+/// are joined by straight lines.
 ///
 /// Channels with the same unit share an axis; those with a second unit use the right axis. Every run
 /// starts a new line. `note` is printed below the title. The curves are pale from the times of `faults` on, and a
@@ -90,9 +58,10 @@ pub fn picture(
     note: Option<&str>,
     faults: &[SignalFault],
 ) -> Result<Picture, ScopeError> {
-    let along = find(trace, spec, &spec.x.value)?;
-    let shown: Result<Vec<_>, _> = spec.y.iter().map(|name| find(trace, spec, &name.value)).collect();
-    let shown = shown?;
+    let PictureData { along, shown, sources } = match picture_data::of_curves(trace, spec) {
+        Some(data) => data,
+        None => picture_data::of_samples(trace, spec)?,
+    };
     let left_unit = shown.first().map_or("", |quantity| quantity.unit);
     let (left, right): (Vec<_>, Vec<_>) = shown.iter().partition(|quantity| quantity.unit == left_unit);
     if right.iter().any(|quantity| quantity.unit != right[0].unit) {
@@ -107,14 +76,14 @@ pub fn picture(
     let second = (!right.is_empty()).then(|| axis(&right, Axis::VERTICAL_DIVISIONS));
     let displays = [&up, second.as_ref().map_or(&up, |(_, display)| display)];
     let drawn = Picture {
-        channels: channels(trace, (&along, &across), &shown, displays),
+        channels: channels(trace, (&along, &across), (&shown, &sources), displays),
         vertical_right: second.map(|(axis, _)| axis),
         note: note.map(str::to_owned),
         markers: markers(trace, &along, &across),
         equal_scales,
         ..Picture::new(title(spec), horizontal, vertical)
     };
-    Ok(faults::mark(drawn, trace, spec, faults, &across))
+    Ok(faults::mark(drawn, (trace, &sources), spec, faults, &across))
 }
 
 /// Returns the channels of the quantities along the vertical axes.
@@ -123,26 +92,25 @@ pub fn picture(
 fn channels(
     trace: &Trace,
     (along, across): (&Quantity<'_>, &QuantityFormat),
-    shown: &[Quantity<'_>],
+    (shown, sources): (&[Quantity<'_>], &[PointSource<'_>]),
     [left, right]: [&QuantityFormat; 2],
 ) -> Vec<Channel> {
     let left_unit = shown.first().map_or("", |quantity| quantity.unit);
-    let breaks: Vec<usize> = trace.repetitions.iter().map(|repetition| repetition.first).collect();
     // The first channel has the labels of the family; the other channels would only repeat them.
-    let mut labels = labels(trace);
-    let channel = |quantity: &Quantity<'_>| {
+    let mut labels = sources.first().map_or(Vec::new(), |source| labels(trace, source));
+    let channel = |(quantity, source): (&Quantity<'_>, &PointSource<'_>)| {
         let on_right = quantity.unit != left_unit;
         let display = if on_right { right } else { left };
-        let pairs = along.values.iter().zip(&quantity.values);
+        let pairs = along.values[source.first..].iter().zip(&quantity.values);
         let points = pairs.map(|(x, y)| (across.value(*x), display.value(*y))).collect();
         Channel {
             right: on_right,
-            breaks: breaks.clone(),
+            breaks: source.begins.clone(),
             labels: std::mem::take(&mut labels),
             ..Channel::line(quantity.name, points)
         }
     };
-    shown.iter().map(channel).collect()
+    shown.iter().zip(sources).map(channel).collect()
 }
 
 /// Returns markers where phases begin within the runs, for a picture against time only.
@@ -176,24 +144,6 @@ fn label(phase: &PhaseRecord) -> String {
         PhaseKind::Operate { .. } => "operate".to_owned(),
         _ => phase_description(phase),
     }
-}
-
-/// Returns the title that the patch gives, or else the names of the signals: `x, v against t`.
-fn title(spec: &PictureSpec) -> String {
-    if !spec.title.is_empty() {
-        return spec.title.clone();
-    }
-    let names: Vec<_> = spec.y.iter().map(|name| name.value.as_str()).collect();
-    format!("{} against {}", names.join(", "), spec.x.value)
-}
-
-/// Returns the samples of a signal, or the times of the samples for "t".
-fn find<'t>(trace: &'t Trace, spec: &PictureSpec, name: &str) -> Result<Quantity<'t>, ScopeError> {
-    if name == "t" {
-        return Ok(Quantity { name: "t", unit: "s", values: trace.time.clone() });
-    }
-    let missing = || ScopeError::NotRecorded { picture: title(spec), signal: name.to_owned() };
-    trace.track(name).map(Quantity::of).ok_or_else(missing)
 }
 
 /// Returns an axis for quantities with the same unit, and the display that scales their values.

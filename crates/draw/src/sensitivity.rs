@@ -1,7 +1,8 @@
 //! Sensitivity pictures: all derivatives of a signal in one picture.
 
+use crate::picture_data::ScopeError;
 use crate::plot::{Axis, Picture};
-use crate::scope::{ScopeError, picture};
+use crate::scope::picture;
 use patchcord_analysis::instruments::SignalFault;
 use patchcord_core::document::{Placed, Span};
 use patchcord_core::patch::PictureSpec;

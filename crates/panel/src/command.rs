@@ -7,6 +7,8 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 
+use crate::limits::MAX_NAME_CHARACTERS;
+
 /// The version of the protocol. A client and a session of different versions do not work together.
 pub const PROTOCOL_VERSION: u32 = 1;
 
@@ -39,6 +41,9 @@ fn command(mut object: Map<String, Value>) -> Result<Command, String> {
     let Some(Value::String(name)) = object.remove("command") else {
         return Err("a command is an object with its name under the key \"command\"".to_owned());
     };
+    if name.chars().nth(MAX_NAME_CHARACTERS).is_some() || object.iter().any(has_long_name) {
+        return Err(format!("a name in a command has more than {MAX_NAME_CHARACTERS} characters"));
+    }
     let has_fields = !object.is_empty();
     let tagged = Value::Object(Map::from_iter([(name.clone(), Value::Object(object))]));
     let outcome = serde_json::from_value(tagged);
@@ -49,6 +54,19 @@ fn command(mut object: Map<String, Value>) -> Result<Command, String> {
         outcome.or_else(|_| serde_json::from_value(Value::String(name.clone())))
     };
     outcome.map_err(|error| format!("command \"{name}\": {error}"))
+}
+
+/// Whether a field is, or contains, a text that is too long for a name. Patches, snapshots and values of settings have
+/// limits of their own.
+fn has_long_name((key, value): (&String, &Value)) -> bool {
+    match value {
+        _ if ["text", "snapshot", "value"].contains(&key.as_str()) => false,
+        Value::String(text) => text.chars().nth(MAX_NAME_CHARACTERS).is_some(),
+        Value::Object(fields) => fields.iter().any(has_long_name),
+        // The lists in commands have numbers, or the channels of a scope.
+        Value::Array(items) => items.iter().any(|item| has_long_name((key, item))),
+        Value::Null | Value::Bool(_) | Value::Number(_) => false,
+    }
 }
 
 /// The modes of the machine that a user can select.

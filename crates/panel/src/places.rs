@@ -10,9 +10,11 @@ use patchcord_core::elements::{Jacks, Kind};
 use patchcord_core::patch::Patch;
 
 use crate::event::{Finding, Place};
+use crate::limits::MAX_FINDINGS;
 use crate::wiring;
 
-/// The findings of a report with their places at the panel. The report must be about the text of the patch.
+/// The findings of a report with their places at the panel, at most [`MAX_FINDINGS`]. The report must be about the text of
+/// the patch.
 pub fn findings(report: &Report, patch: &Patch) -> Vec<Finding> {
     let tree = tree::parse(patch.text()).ok();
     let documents = report.findings.iter().zip(report.documents());
@@ -25,7 +27,7 @@ pub fn findings(report: &Report, patch: &Patch) -> Vec<Finding> {
         line: document.line,
         column: document.column,
     };
-    documents.map(finding).collect()
+    documents.take(MAX_FINDINGS).map(finding).collect()
 }
 
 /// The place of a diagnostic. `None` if it is about the whole patch, a scale, a signal or the run.

@@ -1,4 +1,7 @@
 //! Integration tests of the panel's session.
 
+mod limits;
+mod pictures;
 mod protocol;
+mod random_commands;
 mod session;

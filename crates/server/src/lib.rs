@@ -11,7 +11,7 @@
 //! * A session needs a random token, which only the address of the panel has. Only the page itself may open its
 //!   WebSocket.
 //! * The policy of each response permits only scripts, styles and connections of the server itself.
-//! * Only the pages in the program are served, never files. A session reads tables below one folder.
+//! * Only the pages and patches in the program are served, never files. A session reads tables below one folder.
 //! * [`Limits`] restrict connections, sessions, messages and times.
 
 #![forbid(unsafe_code)]

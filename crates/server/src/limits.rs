@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use patchcord_panel::limits::MAX_REQUEST_BYTES;
+
 /// The limits of a server.
 #[derive(Debug, Clone)]
 pub struct Limits {
@@ -30,8 +32,7 @@ impl Default for Limits {
             header: Duration::from_secs(10),
             connection: Duration::from_secs(60),
             silence: Duration::from_secs(600),
-            // A patch has at most 16 MB. JSON needs two bytes for each of its quotes and line ends.
-            message: 24_000_000,
+            message: MAX_REQUEST_BYTES,
             reload: Duration::from_secs(3),
         }
     }

@@ -1,6 +1,6 @@
 //! The addresses of the server and their answers.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use axum::Router;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
@@ -12,6 +12,7 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use patchcord_panel::pages::PAGES;
+use patchcord_panel::patches::{PATCHES, gallery};
 
 use crate::headers::secure;
 use crate::host::Host;
@@ -24,10 +25,20 @@ const FIRST_PAGE: &str = "index.html";
 /// The type of text without markup.
 const PLAIN_TEXT: &str = "text/plain; charset=utf-8";
 
+/// The type of documents.
+const JSON: &str = "application/json";
+
+/// The address of the folder of the shipped patches, below that of the server.
+const PATCH_FOLDER: &str = "patches/";
+
+/// The document of the gallery, which reads every shipped patch once.
+static GALLERY: LazyLock<String> = LazyLock::new(|| gallery().to_string());
+
 /// All addresses.
 pub(crate) fn router(host: Arc<Host>) -> Router {
     Router::new()
         .route("/host.json", get(host_document))
+        .route("/gallery.json", get(gallery_document))
         .route("/patch", get(patch))
         .route("/session", get(session))
         .fallback(page)
@@ -65,24 +76,33 @@ fn refusal_without_token() -> Response {
     refusal(StatusCode::FORBIDDEN, message)
 }
 
-/// A page of the panel, by its exact path.
+/// A page of the panel or a shipped patch, by its exact path.
 async fn page(method: Method, uri: Uri) -> Response {
     if method != Method::GET && method != Method::HEAD {
         return refusal(StatusCode::METHOD_NOT_ALLOWED, "pages can only be read");
     }
     let path = uri.path().strip_prefix('/').unwrap_or_default();
     let path = if path.is_empty() { FIRST_PAGE } else { path };
-    match PAGES.iter().find(|page| page.path == path) {
-        Some(page) => ([(header::CONTENT_TYPE, page.kind())], page.content()).into_response(),
+    if let Some(page) = PAGES.iter().find(|page| page.path == path) {
+        return ([(header::CONTENT_TYPE, page.kind())], page.content()).into_response();
+    }
+    let name = path.strip_prefix(PATCH_FOLDER);
+    match PATCHES.iter().find(|patch| Some(patch.path) == name) {
+        Some(patch) => ([(header::CONTENT_TYPE, JSON)], patch.text).into_response(),
         None => refusal(StatusCode::NOT_FOUND, "there is no such page"),
     }
+}
+
+/// The list of the shipped patches.
+async fn gallery_document() -> Response {
+    ([(header::CONTENT_TYPE, JSON)], GALLERY.as_str()).into_response()
 }
 
 /// What the page has to know about its host.
 async fn host_document(State(host): State<Arc<Host>>) -> Response {
     let patch = host.patch.as_ref().map(|patch| patch.name.as_str());
     let document = serde_json::json!({ "host": "server", "patch": patch });
-    ([(header::CONTENT_TYPE, "application/json")], document.to_string()).into_response()
+    ([(header::CONTENT_TYPE, JSON)], document.to_string()).into_response()
 }
 
 /// The text of the patch that the panel opens first.

@@ -1,6 +1,7 @@
 //! Pages and documents: who gets them, with which headers.
 
 use patchcord_panel::pages::PAGES;
+use patchcord_panel::patches::{PATCHES, gallery};
 
 use crate::client::{options, start};
 
@@ -48,6 +49,24 @@ fn all_pages_are_served_with_their_types() {
 }
 
 #[test]
+fn the_gallery_and_its_patches_are_served_without_the_token() {
+    let server = start(options());
+    let response = server.get("/gallery.json");
+    assert_eq!((response.status, response.body.as_slice()), (200, gallery().to_string().as_bytes()));
+    assert!(response.headers.contains("\r\ncontent-type: application/json\r\n"), "{}", response.headers);
+    for patch in PATCHES {
+        let response = server.get(&format!("/patches/{}", patch.path));
+        assert_eq!(
+            (response.status, response.body.as_slice()),
+            (200, patch.text.as_bytes()),
+            "{}",
+            patch.path
+        );
+        assert!(response.headers.contains("\r\ncontent-type: application/json\r\n"), "{}", response.headers);
+    }
+}
+
+#[test]
 fn only_pages_are_served() {
     let server = start(options());
     let paths = [
@@ -61,13 +80,22 @@ fn only_pages_are_served() {
         "/..\\Cargo.toml",
         "//etc/passwd",
         "/src/lib.rs",
+        "/lessons/lorenz.json",
+        "/patches/",
+        "/patches/lessons/",
+        "/patches/lessons/lorenz.json/",
+        "/patches/lessons/../lessons/lorenz.json",
+        "/patches/../Cargo.toml",
+        "/patches/%2e%2e/Cargo.toml",
+        "/patches/measured/emps.json",
     ];
     for path in paths {
         let response = server.get(path);
         assert!([400, 404].contains(&response.status), "{path}: {}", response.status);
     }
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
-        for path in ["/", "/host.json", "/patch", "/session"] {
+        for path in ["/", "/host.json", "/gallery.json", "/patches/lessons/lorenz.json", "/patch", "/session"]
+        {
             let host = format!("Host: {}", server.address);
             let response = server.send(&[&format!("{method} {path} HTTP/1.1"), &host, "Content-Length: 0"]);
             assert_eq!(response.status, 405, "{method} {path}");
@@ -84,7 +112,15 @@ fn every_response_has_the_policy() {
          form-action 'none'; frame-ancestors 'none'\r\n",
         server.address
     );
-    for path in ["/", "/host.json", "/patch", "/session", "/no-such-page"] {
+    for path in [
+        "/",
+        "/host.json",
+        "/gallery.json",
+        "/patches/lessons/lorenz.json",
+        "/patch",
+        "/session",
+        "/no-such-page",
+    ] {
         let headers = server.get(path).headers;
         assert!(headers.contains(&policy), "{path}: {headers}");
         for header in [

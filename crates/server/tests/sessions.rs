@@ -75,6 +75,19 @@ fn each_session_has_its_own_patch() {
 }
 
 #[test]
+fn a_session_reads_no_table_outside_its_folder() {
+    let server = start(options());
+    let mut socket = server.open();
+    let patch = serde_json::json!({
+        "patchcord": 1, "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+        "drives": {"u": {"kind": "table", "scale": "volt", "points": {"csv": "../../Cargo.toml"}}}
+    });
+    let open = serde_json::json!({"command": "open", "name": "/etc/p.json", "text": patch.to_string()});
+    let answer = ask(&mut socket, &format!("{{\"id\": 1, \"commands\": [{open}]}}")).unwrap();
+    assert!(answer.contains("is not below the folder from which tables may be read"), "{answer}");
+}
+
+#[test]
 fn a_session_beyond_the_limit_is_refused_with_a_reason() {
     let server = start(options());
     let mut sockets: Vec<_> = (0..Limits::default().sessions).map(|_| server.open()).collect();

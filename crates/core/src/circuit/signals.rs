@@ -241,6 +241,38 @@ impl Circuit {
         self.drawn_names().filter(|name| *name != "t").map(signal)
     }
 
+    /// The signals of the curves of one signal against another one that the pictures show, for
+    /// [`RunSettings::with_curves`](crate::solve::RunSettings::with_curves): to the right and upwards, without
+    /// repetitions. Curves of derivatives are not among them.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let patch = PatchBuilder::new("two decays")
+    ///     .element("A1", ElementBuilder::new("integrator").cords("x1", ["A1"]).set("initial", 50))
+    ///     .element("A2", ElementBuilder::new("integrator").cords("x10", ["A2"]).set("initial", 50))
+    ///     .picture("", "A1", ["A2"])
+    ///     .picture("", "t", ["A1"])
+    ///     .build()?;
+    /// let curves = Circuit::new(&patch)?.drawn_curves();
+    /// assert_eq!(curves, [("A1".to_owned(), "A2".to_owned())]);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn drawn_curves(&self) -> Vec<(String, String)> {
+        let is_signal = |name: &&str| *name != "t" && derivative_of(name).is_none();
+        let curves = self.patch.pictures.iter().flat_map(|picture| {
+            let x = Some(picture.x.value.as_str()).filter(is_signal);
+            let y = picture.y.iter().map(|name| name.value.as_str()).filter(is_signal);
+            x.into_iter().flat_map(move |x| y.clone().map(move |y| (x.to_owned(), y.to_owned())))
+        });
+        curves.collect::<IndexSet<_>>().into_iter().collect()
+    }
+
     /// Names of the parameters with respect to which the pictures show derivatives, without repetitions.
     pub fn sensitivity_parameters(&self) -> Vec<String> {
         let parameters = self.drawn_names().filter_map(|name| Some(derivative_of(name)?.1.to_owned()));

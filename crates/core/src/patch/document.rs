@@ -13,6 +13,7 @@ use serde_json::Value;
 
 use super::edited_text::EditedText;
 use super::macros::{Instance, InstanceOutput, Macro, SectionEntry};
+use super::table_access::TableAccess;
 use super::table_file::{PointsBySpan, TableFile};
 use crate::document::{
     Diagnostic, ParameterRangeError, Phase, Placed, Report, RunExtent, Span, parameter_in_si,
@@ -235,6 +236,8 @@ pub struct Patch {
     pub(super) unread: UnreadNames,
     /// The section "elements" as written, before macros are expanded.
     pub(super) element_section: IndexMap<String, SectionEntry>,
+    /// Which CSV files may be read.
+    pub(super) table_access: TableAccess,
     /// The points that were read from CSV files. Copies of the patch share them.
     pub(super) tables: Arc<PointsBySpan>,
     /// The CSV files that were read, each once.
@@ -284,13 +287,14 @@ pub struct Patch {
 
 impl Patch {
     /// A patch with a text but with default values in all fields. The decoder fills it.
-    pub(super) fn empty(file: &str, text: &str) -> Patch {
+    pub(super) fn empty(file: &str, text: &str, table_access: TableAccess) -> Patch {
         Patch {
             file: file.to_owned(),
             edited_text: EditedText::unedited(text),
             findings: Vec::new(),
             unread: UnreadNames::default(),
             element_section: IndexMap::new(),
+            table_access,
             tables: Arc::default(),
             table_files: Vec::new(),
             title: String::new(),
@@ -352,6 +356,11 @@ impl Patch {
         &self.table_files
     }
 
+    /// Which CSV files may be read as tables of the patch.
+    pub fn table_access(&self) -> &TableAccess {
+        &self.table_access
+    }
+
     /// The text of the document, as read or as printed by [`Patch::from_value`].
     ///
     /// If the patch has been edited since, the text is rendered with the edits on the first call. Only the edited
@@ -401,7 +410,9 @@ impl Patch {
     ///
     /// `None` if the patch was not edited since it was read: the positions are then valid.
     pub(crate) fn reread(&self) -> Option<Result<Patch, Box<Report>>> {
-        self.edited_text.is_edited().then(|| Patch::parse(&self.file, self.text()))
+        self.edited_text
+            .is_edited()
+            .then(|| Patch::parse_with(self.table_access.clone(), &self.file, self.text()))
     }
 }
 

@@ -118,7 +118,8 @@ impl Patch {
     pub fn with_edits(&self, file: &str, edits: &[Edit]) -> Result<Patch, EditError> {
         check_no_overlap(edits)?;
         let text = splice(self.text(), &root_of(self.text()), edits)?;
-        Ok(Patch::parse(file, &text)?)
+        let table_access = self.table_access.renamed(&self.file, file);
+        Ok(Patch::parse_with(table_access, file, &text)?)
     }
 }
 

@@ -9,8 +9,6 @@
 mod parts;
 mod removal;
 
-use std::path::Path;
-
 use serde_json::Value;
 
 use super::decode_entry::UNITS_OF_SCALE;
@@ -249,20 +247,22 @@ impl PatchEditor {
         self.must_reread = true;
     }
 
-    /// Returns the edited patch under the name `file`. Paths of tables in files are relative to its folder.
+    /// Returns the edited patch under the name `file`. Paths of tables in files are relative to its folder,
+    /// unless [`Patch::table_access`] names the folder from which tables may be read.
     ///
     /// # Errors
     /// If a path of [`PatchEditor::put`] does not exist, or if the text must be read again and cannot be decoded.
     /// Faults inside the document are reported by [`Circuit::new`](crate::circuit::Circuit::new).
     pub fn finish(self, file: &str) -> Result<Patch, EditError> {
         let PatchEditor { mut patch, batch, must_expand, must_reread } = self;
-        let folder = folder_of(file);
-        let is_moved = !patch.tables.is_empty() && folder != folder_of(&patch.file);
+        let table_access = patch.table_access.renamed(&patch.file, file);
+        let is_moved = !patch.tables.is_empty() && table_access != patch.table_access;
         if must_reread || is_moved {
             let text = render(patch.text(), &batch)?;
-            return Ok(Patch::parse(file, &text)?);
+            return Ok(Patch::parse_with(table_access, file, &text)?);
         }
         file.clone_into(&mut patch.file);
+        patch.table_access = table_access;
         if !batch.is_empty() {
             patch.edited_text.push(batch);
         }
@@ -272,9 +272,9 @@ impl PatchEditor {
                 (Macros::take_from(&mut patch), std::mem::take(&mut patch.element_section));
             macros::expand_macros(macros, &section, &mut patch, &mut findings);
             (patch.element_section, patch.findings) = (section, findings);
-            table_file::read_tables(&mut patch, folder);
+            table_file::read_tables(&mut patch);
             if any_error(&patch.findings) {
-                return Ok(Patch::parse(file, patch.text())?);
+                return Ok(Patch::parse_with(patch.table_access.clone(), file, patch.text())?);
             }
         }
         Ok(patch)
@@ -331,11 +331,6 @@ fn unknown_name(noun: &'static str, name: &str) -> EditError {
 /// If the value is not finite.
 fn finite_json(name: &str, value: f64) -> Result<Value, EditError> {
     if value.is_finite() { Ok(Value::from(value)) } else { Err(EditError::NotFinite(name.to_owned())) }
-}
-
-/// The folder of a file; an empty path if the name has no folder.
-fn folder_of(file: &str) -> &Path {
-    Path::new(file).parent().unwrap_or(Path::new(""))
 }
 
 impl Patch {

@@ -11,6 +11,7 @@ use std::str::FromStr;
 use serde_json::Value;
 
 use super::document::Patch;
+use super::table_access::{TableAccess, folder_of};
 use super::{decode, table_file};
 use crate::document::file::{
     DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text, read_text_from,
@@ -90,7 +91,7 @@ impl Patch {
     /// # Ok::<(), Box<patchcord_core::document::Report>>(())
     /// ```
     pub fn parse(file: &str, text: &str) -> Result<Patch, Box<Report>> {
-        Patch::parse_in(Path::new(file).parent().unwrap_or(Path::new("")), file, text)
+        Patch::parse_in(folder_of(file), file, text)
     }
 
     /// Reads a patch from a text, with paths of tables relative to `folder`. An empty path is the working directory.
@@ -110,15 +111,35 @@ impl Patch {
     /// # Ok::<(), Box<patchcord_core::document::Report>>(())
     /// ```
     pub fn parse_in(folder: impl AsRef<Path>, file: &str, text: &str) -> Result<Patch, Box<Report>> {
+        Patch::parse_with(TableAccess::Anywhere(folder.as_ref().to_owned()), file, text)
+    }
+
+    /// Reads a patch from a text that may read only some files as tables. A byte order mark at the beginning of the text
+    /// is ignored.
+    ///
+    /// # Errors
+    /// If the text is not a JSON object with the key "patchcord", or is longer than 16 MB. A table that may not be read
+    /// is a finding, as other faults inside the object are.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::{Patch, TableAccess};
+    ///
+    /// let patch = Patch::parse_with(TableAccess::None, "p.json", "{\"patchcord\": 1}")?;
+    /// assert_eq!(patch.table_access(), &TableAccess::None);
+    /// # Ok::<(), Box<patchcord_core::document::Report>>(())
+    /// ```
+    pub fn parse_with(table_access: TableAccess, file: &str, text: &str) -> Result<Patch, Box<Report>> {
         if text.len() > MAX_DOCUMENT_BYTES {
             return Err(document_too_large(file));
         }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
         let root = tree::parse(text).map_err(fail)?;
-        let mut patch = Patch::empty(file, text);
+        let mut patch = Patch::empty(file, text, table_access);
         decode::document(&root, &mut patch).map_err(fail)?;
-        table_file::read_tables(&mut patch, folder.as_ref());
+        table_file::read_tables(&mut patch);
         Ok(patch)
     }
 

@@ -44,7 +44,7 @@ impl Patch {
             return None;
         }
         let text = render(self.text(), &cords).ok()?;
-        Patch::parse(&self.file, &text).ok()
+        Patch::parse_with(self.table_access.clone(), &self.file, &text).ok()
     }
 }
 

@@ -1,8 +1,8 @@
 //! The patch: a document with elements and cords, decoded into fields.
 //!
 //! `file` reads the text and `decode` fills the fields of a [`Patch`] from its JSON tree. `table_file` adds points from
-//! CSV files. `macros` replaces instances of macros by their elements. Every fault becomes a diagnostic with a
-//! position, and decoding continues, so that a user sees all faults at once.
+//! CSV files, as far as `table_access` permits. `macros` replaces instances of macros by their elements. Every fault
+//! becomes a diagnostic with a position, and decoding continues, so that a user sees all faults at once.
 //!
 //! [`PatchBuilder`] makes a patch in Rust. [`PatchEditor`] changes the fields of a patch and its document together;
 //! `render` then writes the edits into the text, which otherwise stays as it is. `prune` and `cut` remove parts.
@@ -33,6 +33,7 @@ mod prune;
 mod render;
 mod schema;
 mod short_forms;
+mod table_access;
 mod table_file;
 mod time_units;
 
@@ -53,5 +54,6 @@ pub use names::{check_output_name, check_quantity_name, duplicate_name};
 pub use picture_entry::PictureEntry;
 pub use problem::{Problem, ProblemQuantity, ProblemTable};
 pub use schema::json_schema;
+pub use table_access::TableAccess;
 pub use table_file::{time_order_hint, unreadable_unit};
 pub(crate) use time_units::{is_time, is_time_dimensionless};

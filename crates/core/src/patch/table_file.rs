@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::decode_curve::{PointList, SORT_HINT, Symmetry, checked_curve, checked_time_points};
 use super::document::{Amount, Patch};
+use super::table_access::TableAccess;
 use crate::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable, UnitComment, excerpt};
 use crate::document::fields::{Fields, Findings, string};
 use crate::document::tree::Node;
@@ -63,11 +64,11 @@ const MAX_TABLE_POINTS: usize = 10_000_000;
 /// `None` if the file could not be read, which has been reported.
 pub(super) type PointsBySpan = HashMap<Span, Option<Vec<[f64; 2]>>>;
 
-/// Reads the files to which drives and elements of a patch refer. Paths are relative to `folder`.
+/// Reads the files to which drives and elements of a patch refer, as far as its access permits.
 ///
 /// A reference that the patch has read before is not read again: edited patches keep their tables.
-pub(super) fn read_tables(patch: &mut Patch, folder: &Path) {
-    let Patch { scales, drives, elements, tables, table_files, findings, .. } = patch;
+pub(super) fn read_tables(patch: &mut Patch) {
+    let Patch { scales, drives, elements, table_access, tables, table_files, findings, .. } = patch;
     // The drives of an edited patch have their points already.
     let present = drives.values().flat_map(|drive| &drive.settings).flatten();
     let present = present.map(|setting| match &setting.value {
@@ -75,7 +76,7 @@ pub(super) fn read_tables(patch: &mut Patch, folder: &Path) {
         _ => 0,
     });
     let remaining_points = MAX_TABLE_POINTS.checked_sub(present.sum());
-    let mut reader = TableReader { folder, tables, files: table_files, remaining_points };
+    let mut reader = TableReader { access: table_access, tables, files: table_files, remaining_points };
     for entry in drives.values_mut().chain(elements.values_mut()) {
         let scale = entry.scale.as_ref().and_then(|scale| scales.get(&scale.value));
         for table_file in std::mem::take(&mut entry.table_files) {
@@ -88,8 +89,8 @@ pub(super) fn read_tables(patch: &mut Patch, folder: &Path) {
 
 /// Reads the files of a patch and counts their points.
 struct TableReader<'f> {
-    /// The folder to which paths are relative.
-    folder: &'f Path,
+    /// Which files may be read.
+    access: &'f TableAccess,
     /// The points that have been read.
     tables: &'f mut Arc<PointsBySpan>,
     /// The files that have been read, each once.
@@ -109,12 +110,8 @@ impl TableReader<'_> {
     ) -> Option<Vec<[f64; 2]>> {
         let remaining_points = self.remaining_points?;
         if !self.tables.contains_key(&table_file.span) {
-            let path = self.folder.join(&table_file.file.value);
-            let points = table_file.read(&path, unit, findings);
+            let points = self.read(table_file, unit, findings);
             Arc::make_mut(self.tables).insert(table_file.span, points);
-            if !self.files.contains(&path) {
-                self.files.push(path);
-            }
         }
         let points = self.tables.get(&table_file.span)?.as_ref()?;
         self.remaining_points = remaining_points.checked_sub(points.len());
@@ -126,6 +123,27 @@ impl TableReader<'_> {
             return None;
         }
         Some(points.clone())
+    }
+
+    /// Reads the file of a reference, if that is permitted. `None` after a report.
+    fn read(
+        &mut self,
+        table_file: &TableFile,
+        unit: Option<&Unit>,
+        findings: &mut Findings,
+    ) -> Option<Vec<[f64; 2]>> {
+        let path = match self.access.path(&table_file.file.value) {
+            Ok(path) => path,
+            Err(fault) => {
+                findings.push(table_file.diagnostic(fault));
+                return None;
+            }
+        };
+        let points = table_file.read(&path, unit, findings);
+        if !self.files.contains(&path) {
+            self.files.push(path);
+        }
+        points
     }
 }
 

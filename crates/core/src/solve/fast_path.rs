@@ -361,6 +361,7 @@ fn step_across(
         observer.kernel_stepped(time, tables, run);
         if let Some(hit) = corner {
             work.crossings += 1;
+            observer.kernel_at_corner(time, tables, run);
             if !run.cross_corner(program, &state.coefficients, hit) {
                 return Halt::Unsupported;
             }

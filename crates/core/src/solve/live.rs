@@ -78,6 +78,9 @@ struct Operating<'p> {
     operation: Operation,
 }
 
+/// Number of copies of a voltage or state in the buffers of a machine: at the stages and ends of steps.
+const NUMBERS_PER_VOLTAGE: usize = 12;
+
 /// A machine in the middle of a run, to which the run can return.
 #[derive(Clone)]
 pub struct Checkpoint<'p> {
@@ -99,6 +102,13 @@ impl Checkpoint<'_> {
     /// The time by the recorder's clock, in seconds.
     pub fn clock(&self) -> f64 {
         self.machine.time() + self.hold_time
+    }
+
+    /// An estimate of its size in bytes. Delays need most of it.
+    pub fn bytes(&self) -> usize {
+        let state = &self.machine.solver.state;
+        let numbers = NUMBERS_PER_VOLTAGE * (state.voltages.len() + state.states.len());
+        self.machine.delay_bytes() + numbers * size_of::<f64>()
     }
 }
 
@@ -225,6 +235,12 @@ impl<'p> LiveRun<'p> {
         self.operating.is_some()
     }
 
+    /// Whether an overload has ended the repetition. Phases that take time are then skipped until the next initial
+    /// condition.
+    pub fn is_held(&self) -> bool {
+        self.player.is_held
+    }
+
     /// The machine at the present instant, with all its voltages.
     ///
     /// # Errors
@@ -251,9 +267,9 @@ impl<'p> LiveRun<'p> {
         Ok(())
     }
 
-    /// Watches outputs from now on. The points are at most `longest` seconds apart. Within steps that are longer they
-    /// are also at most `largest` volts apart, as far as 64 points in a step permit. Points that were not read are
-    /// dropped.
+    /// Watches outputs from now on. The points are at most `longest` seconds apart, and usually at least eight times
+    /// closer if steps are short. Within steps that are longer they are also at most `largest` volts apart, as far as 64
+    /// points in a step permit. Points that were not read are dropped.
     ///
     /// # Errors
     /// If the program has no such output.
@@ -295,8 +311,11 @@ impl<'p> LiveRun<'p> {
     pub fn checkpoint(&mut self) -> Result<Checkpoint<'p>, RunError> {
         self.leave_fast_path()?;
         let Player { machine, recorder, is_held, .. } = &self.player;
+        let mut machine = machine.clone();
+        // The kernels are large, and a run that returns has to begin with new ones.
+        machine.fast_path.restart(self.backend, recorder.registers());
         Ok(Checkpoint {
-            machine: machine.clone(),
+            machine,
             queue: self.queue.clone(),
             operating: self.operating,
             hold_time: recorder.hold_time,

@@ -4,13 +4,13 @@
 //! it; `state` and `buffers` hold its data, and `step_control` adapts its length. `events`, `event_location`,
 //! `grazing`, `turning_points`, `levels` and `discontinuities` find the events and jumps at which a step has to end.
 //! `fast_path` runs a compiled or interpreted kernel while no event is due, and `batch` runs kernels in lanes.
-//! `settings`, `settings_blocks` and `settings_check` describe a run; `operation`, `player` and `run` play its phases.
-//! `recorder` records signals, `extrema` and `lamps` find their peaks and overloads, and `sensitivity` computes
-//! derivatives. `limit_drive` measures how integrators are driven against their limits, and `cord_chains` follows cords
-//! from element to element. `step_check`, `check_plan`, `step_comparison` and `thinned_trace` find steps that are too
-//! long. `controls` and `drive_table` change settings, and `readings` reads a machine. `drive_sections` evaluates drives
-//! for another solver. `live` plays a run in pieces for an operator who watches and interferes, and `transfer` continues
-//! it with another program.
+//! `settings`, `settings_blocks`, `settings_curves` and `settings_check` describe a run; `operation`, `player` and
+//! `run` play its phases. `recorder` records signals, `extrema` and `lamps` find their peaks and overloads, and
+//! `sensitivity` computes derivatives. `limit_drive` measures how integrators are driven against their limits, and
+//! `cord_chains` follows cords from element to element. `step_check`, `check_plan`, `step_comparison` and
+//! `thinned_trace` find steps that are too long. `controls` and `drive_table` change settings, and `readings` reads a
+//! machine. `drive_sections` evaluates drives for another solver. `live` plays a run in pieces for an operator who
+//! watches and interferes, and `transfer` continues it with another program.
 
 mod amplifier_peaks;
 mod batch;
@@ -47,6 +47,7 @@ mod sensitivity;
 mod settings;
 mod settings_blocks;
 mod settings_check;
+mod settings_curves;
 mod state;
 mod step_check;
 mod step_comparison;

@@ -27,6 +27,9 @@ pub(super) trait StepObserver {
     /// end.
     fn kernel_stepped(&mut self, _time: f64, _tables: &[Vec<[f64; 2]>], _run: &mut KernelRun) {}
 
+    /// A kernel is at a corner of a diode or a table at this time, before it crosses it.
+    fn kernel_at_corner(&mut self, _time: f64, _tables: &[Vec<[f64; 2]>], _run: &mut KernelRun) {}
+
     /// A kernel took these steps up to this time, and stored the recorded voltages at the end of each. Samples are due
     /// at ends of steps only.
     fn kernel_stepped_recording(&mut self, _time: f64, _run: &KernelRun, _steps: Steps) {}

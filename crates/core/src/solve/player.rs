@@ -76,8 +76,8 @@ impl<'p, 'w> Player<'p, 'w> {
     pub(super) fn finish(mut self) -> (Trace, Option<StepDoubt>) {
         self.recorder.end_repetition(&self.machine, self.is_held);
         self.recorder.flush();
-        let registers = self.recorder.registers();
-        let mut trace = self.recorder.trace;
+        let (registers, doubt) = (self.recorder.registers(), self.recorder.step_doubt);
+        let mut trace = self.recorder.into_trace();
         if let Some(peaks) = &self.machine.amplifier_peaks {
             let recorded = registers.into_iter().zip(&trace.tracks);
             trace.amplifier_peaks = peaks.with_recorded(self.machine.solver.setup.program, recorded);
@@ -85,7 +85,6 @@ impl<'p, 'w> Player<'p, 'w> {
         let works = trace.repetitions.iter().map(|repetition| repetition.work);
         let crossed_events = works.map(|work| work.changes + work.crossings).sum();
         let Machine { solver, step_check, .. } = &self.machine;
-        let doubt = self.recorder.step_doubt;
         match step_check.as_ref().filter(|check| check.is_interrupted(crossed_events)) {
             Some(check) => (trace, Some(check.interrupted(&solver.setup, doubt))),
             None => (trace, doubt),
@@ -165,9 +164,10 @@ impl<'p, 'w> Player<'p, 'w> {
         self.recorder.end_phase(self.machine.time(), &self.machine.lamps, reason);
     }
 
-    /// Records the present voltages, unless the last sample has them.
+    /// Records the present voltages at the beginning or the end of a phase, unless the last sample has them.
     fn sample_present(&mut self) {
         self.recorder.sample_present(&self.machine.solver, &self.machine.lamps);
+        self.recorder.watch_phase_limit(&self.machine.solver);
     }
 
     /// Ends the repetition and puts the machine into initial condition.

@@ -5,6 +5,7 @@
 use super::error::RunError;
 use super::machine::Machine;
 use super::state::SolverState;
+use crate::delay_line::DelayLine;
 use crate::ir::{Op, ProgramPoint};
 use crate::trace::{Overload, WorkCounters};
 
@@ -36,6 +37,29 @@ impl Machine<'_> {
         let program = self.solver.setup.program;
         let index = program.element(element).ok_or_else(|| RunError::UnknownElement(element.to_owned()))?;
         Ok(self.solver.state.voltages[program.lowered.elements[index].register.index()])
+    }
+
+    /// Size of the past that the delays have stored, in bytes. It grows to twice the delay divided by the step.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Circuit;
+    /// use patchcord_core::ir::Program;
+    /// use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+    /// use patchcord_core::solve::Machine;
+    ///
+    /// let delay = ElementBuilder::new("delay").cord("in", "+100").set("delay", 0.5);
+    /// let patch = PatchBuilder::new("echo").element("D1", delay).build()?;
+    /// let program = Program::new(&Circuit::new(&patch)?)?;
+    /// let mut machine = Machine::new(&program, 1e-3)?;
+    /// machine.operate(3.0)?;
+    /// // At least 1000 samples of a time and a voltage.
+    /// assert!((16_000..100_000).contains(&machine.delay_bytes()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn delay_bytes(&self) -> usize {
+        self.solver.delay_lines.iter().map(DelayLine::bytes).sum()
     }
 
     /// The position of a switching element, such as "pulled-in"; `None` if the element has no positions or does not

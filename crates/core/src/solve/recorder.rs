@@ -6,6 +6,7 @@
 //! every signal the recorder also keeps the minimum and the maximum of each repetition, which may be between samples.
 
 mod blocks;
+mod curve_follower;
 mod observer;
 mod watch;
 
@@ -14,6 +15,7 @@ pub use watch::WatchedPoints;
 
 use std::ops::{ControlFlow, Range};
 
+use self::curve_follower::{FollowedSignal, follow};
 use super::error::RunError;
 use super::fast_path::KernelRun;
 use super::lamps::Lamps;
@@ -47,8 +49,10 @@ pub(super) struct Recorder<'a> {
     flushed: usize,
     /// Called with the seconds recorded so far, summed over all repetitions.
     progress: Option<&'a mut dyn FnMut(f64)>,
-    /// The outputs that are watched at every step; `None` if there are none.
+    /// The outputs that are watched at every step, or for curves; `None` if there are none.
     pub watch: Option<Watch>,
+    /// The signals of the curves.
+    followed: Vec<FollowedSignal>,
     /// Length of equal steps in problem seconds.
     step: f64,
     /// Seconds recorded before the present repetition.
@@ -135,6 +139,7 @@ impl<'a> Recorder<'a> {
         let derivatives: Vec<_> = derivatives.collect();
         let count = derivatives.len();
         tracks.extend(derivatives);
+        let (followed, watch) = follow(program, solver, settings)?;
         Ok(Recorder {
             trace: Trace { tracks, ..Trace::default() },
             consumer: None,
@@ -142,7 +147,8 @@ impl<'a> Recorder<'a> {
             block_samples: settings.block_samples,
             flushed: 0,
             progress,
-            watch: None,
+            watch,
+            followed,
             step: settings.step,
             recorded_before: 0.0,
             signals,
@@ -175,6 +181,18 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    /// Adds the present voltages to the watched points, because a phase begins or ends.
+    pub(super) fn watch_phase_limit(&mut self, solver: &Solver<'_>) {
+        if let Some(watch) = &mut self.watch {
+            watch.add_phase_limit(solver, self.hold_time);
+        }
+    }
+
+    /// The record, with its curves.
+    pub(super) fn into_trace(self) -> Trace {
+        Trace { curves: self.watch.map_or(Vec::new(), Watch::into_curves), ..self.trace }
+    }
+
     /// The recorder's clock at a problem time: seconds since the repetition began.
     pub(super) fn clock(&self, time: f64) -> f64 {
         time + self.hold_time
@@ -193,6 +211,7 @@ impl<'a> Recorder<'a> {
             self.trace.repetitions.push(Repetition { first, ..Repetition::default() });
             (self.hold_time, self.is_in_repetition, self.is_fresh) = (0.0, true, false);
             self.set_next_sample(1);
+            self.watch.iter_mut().for_each(Watch::begin_repetition);
             // A lamp that is lit now was lit in initial condition.
             self.hold_time_when_lit = lamps.lit.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
         }
@@ -339,11 +358,15 @@ impl<'a> Recorder<'a> {
         Trace { tracks: tracks.collect(), ..taken }
     }
 
-    /// Name of a recorded signal whose scale has changed since the record began; `None` if there is none.
+    /// Name of a recorded signal, or of one in a curve, whose scale has changed since the record began; `None` if there
+    /// is none.
     pub(super) fn rescaled(&self, solver: &Solver<'_>) -> Option<&str> {
-        let pairs = self.trace.tracks.iter().zip(&self.signals);
-        let mut changed = pairs.filter(|(track, signal)| track.per_volt != per_volt(signal, solver));
-        changed.next().map(|(track, _)| track.name.as_str())
+        let recorded = self.trace.tracks.iter().zip(&self.signals);
+        let recorded = recorded.map(|(track, signal)| (track.per_volt, signal));
+        let followed = self.followed.iter().map(|followed| (followed.per_volt, &followed.signal));
+        let mut changed =
+            recorded.chain(followed).filter(|(before, signal)| *before != per_volt(signal, solver));
+        changed.next().map(|(_, signal)| signal.name.as_str())
     }
 
     /// The time of the next sample by the recorder's clock; `None` if it is not before `end`, or if the run is cancelled.

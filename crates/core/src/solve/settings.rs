@@ -1,7 +1,8 @@
 //! The settings of a run, and the methods that change one setting each.
 //!
-//! `settings_check` checks the settings before a run, and `settings_blocks` has the setting for long runs. The settings
-//! for the run plan of a patch are made outside this module, because the solver does not depend on circuits.
+//! `settings_check` checks the settings before a run, `settings_blocks` has the setting for long runs, and
+//! `settings_curves` the one for curves. The settings for the run plan of a patch are made outside this module, because
+//! the solver does not depend on circuits.
 
 use crate::document::{Phase, RunExtent};
 use crate::ir::Program;
@@ -65,6 +66,9 @@ pub struct RunSettings {
     pub block_samples: Option<usize>,
     /// Names of the signals to record, in the order of the tracks. Elements and drives are signals, too.
     pub record: Vec<String>,
+    /// The curves of signals against each other that the trace has, each as the names of the signals to the right and
+    /// upwards. See [`with_curves`](Self::with_curves).
+    pub curves: Vec<(String, String)>,
     /// Names of the parameters by which the derivatives of all these signals are also recorded. Their tracks follow the
     /// tracks of the signals: all parameters of the first signal, then those of the next.
     pub sensitivities: Vec<String>,
@@ -99,6 +103,7 @@ impl RunSettings {
             finds_amplifier_peaks: false,
             block_samples: None,
             record: Vec::new(),
+            curves: Vec::new(),
             sensitivities: Vec::new(),
             backend: Backend::default(),
         }
@@ -372,11 +377,11 @@ impl RunSettings {
     }
 
     /// Whether [`run_batch`](super::run_batch) takes the steps of a program with these settings in lanes. That needs
-    /// equal steps without checks, no derivatives, no peaks of amplifiers, a backend with lanes, and a program with
-    /// kernels.
+    /// equal steps without checks, no derivatives, no peaks of amplifiers, no curves, a backend with lanes, and a program
+    /// with kernels.
     pub fn is_batchable(&self, program: &Program) -> bool {
         let has_equal_steps = self.tolerance.is_none() && !self.checks_steps && !self.finds_amplifier_peaks;
-        let has_derivatives = !self.sensitivities.is_empty();
-        has_equal_steps && !has_derivatives && self.backend.can_use_lanes() && Kernel::is_supported(program)
+        let has_only_samples = self.sensitivities.is_empty() && self.curves.is_empty();
+        has_equal_steps && has_only_samples && self.backend.can_use_lanes() && Kernel::is_supported(program)
     }
 }

@@ -86,8 +86,10 @@ impl RunSettings {
     /// An upper limit of the numbers for phases, changes and repetitions.
     fn numbers_without_samples(&self, extent: RunExtent) -> f64 {
         let phase_records = (extent.phase_count + extent.change_count) * NUMBERS_PER_PHASE_RECORD;
+        let per_repetition =
+            self.track_count() * NUMBERS_PER_EXTREMES + self.curves.len() as f64 * NUMBERS_PER_CURVE;
         // Every phase may begin a repetition.
-        phase_records + extent.phase_count * self.track_count() * NUMBERS_PER_EXTREMES
+        phase_records + extent.phase_count * per_repetition
     }
 
     /// Number of tracks: one for every signal and every derivative.
@@ -145,3 +147,5 @@ const NUMBERS_PER_PHASE_RECORD: f64 = 16.0;
 /// Memory of the extremes of a signal in a repetition, in numbers: first and last voltage, and two extremes with their
 /// times.
 const NUMBERS_PER_EXTREMES: f64 = 6.0;
+/// Least memory of a curve in a repetition, in numbers: two points, while it is thinned.
+const NUMBERS_PER_CURVE: f64 = 16.0;

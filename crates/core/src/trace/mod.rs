@@ -4,10 +4,12 @@
 //! volts, with the factor that converts them to the physical unit. The trace knows nothing of how a run is computed.
 
 mod csv;
+mod curve;
 mod phase_record;
 mod track;
 
 pub use self::csv::{CsvError, TableWriter, format_exact, rounded_time};
+pub use self::curve::{CurveAxis, SignalCurve};
 pub use self::phase_record::{NewValue, PhaseEnd, PhaseKind, PhaseRecord};
 pub use self::track::{Derivative, Extremum, SignalExtremes, Track};
 
@@ -41,6 +43,9 @@ pub struct Trace {
     /// The largest output of every amplifier and drive, in the order of the circuit. Empty unless
     /// [`RunSettings::finds_amplifier_peaks`](crate::solve::RunSettings::finds_amplifier_peaks) is set.
     pub amplifier_peaks: Vec<AmplifierPeak>,
+    /// The curves of signals against each other that [`RunSettings::curves`](crate::solve::RunSettings::curves) names,
+    /// in that order. Like extremes, they are those of the whole run, also if samples are passed on in blocks.
+    pub curves: Vec<SignalCurve>,
 }
 
 /// The largest output of an amplifier in a run.

@@ -11,6 +11,7 @@ mod band;
 mod callout;
 mod clip;
 mod colour;
+mod density;
 mod draw;
 mod drawing;
 mod error;

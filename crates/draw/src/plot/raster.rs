@@ -90,26 +90,31 @@ impl RasterSurface<'_> {
     }
 
     /// Fills a path; nothing is drawn without a path.
-    fn fill(&mut self, path: Option<Path>, colour: Colour) {
+    fn fill(&mut self, path: Option<Path>, paint: &Paint<'_>) {
         if let Some(path) = path {
-            self.pixels.fill_path(&path, &ink(colour), FillRule::Winding, self.transform(), None);
+            self.pixels.fill_path(&path, paint, FillRule::Winding, self.transform(), None);
         }
     }
 
     /// Draws a line along a path, with round joins and ends; nothing is drawn without a path.
-    fn stroke(&mut self, path: Option<Path>, width: f64, colour: Colour) {
+    fn stroke(&mut self, path: Option<Path>, width: f64, paint: &Paint<'_>) {
         let (line_cap, line_join) = (LineCap::Round, LineJoin::Round);
         let stroke = Stroke { width: width as f32, line_cap, line_join, ..Stroke::default() };
         if let Some(path) = path {
-            self.pixels.stroke_path(&path, &ink(colour), &stroke, self.transform(), None);
+            self.pixels.stroke_path(&path, paint, &stroke, self.transform(), None);
         }
     }
 }
 
 /// Returns an opaque paint of a colour.
 fn ink(colour: Colour) -> Paint<'static> {
+    translucent_ink(colour, 1.0)
+}
+
+/// Returns a paint of a colour with an opacity from 0 to 1.
+fn translucent_ink(colour: Colour, opacity: f64) -> Paint<'static> {
     let mut paint = Paint::default();
-    paint.set_color_rgba8(colour.0, colour.1, colour.2, u8::MAX);
+    paint.set_color_rgba8(colour.0, colour.1, colour.2, (opacity * f64::from(u8::MAX)).round() as u8);
     paint
 }
 
@@ -151,35 +156,41 @@ fn glyph_path(curves: &[OutlineCurve]) -> Option<Path> {
 impl Surface for RasterSurface<'_> {
     fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: Colour) -> Result<(), PlotError> {
         let rectangle = Rect::from_ltrb(from.0 as f32, from.1 as f32, to.0 as f32, to.1 as f32);
-        self.fill(rectangle.map(PathBuilder::from_rect), colour);
+        self.fill(rectangle.map(PathBuilder::from_rect), &ink(colour));
         Ok(())
     }
 
-    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Colour) -> Result<(), PlotError> {
-        let Some(first) = points.first() else { return Ok(()) };
+    fn translucent_line(
+        &mut self,
+        points: &[(f64, f64)],
+        width: f64,
+        colour: Colour,
+        opacity: f64,
+    ) -> Result<(), PlotError> {
+        let (Some(first), paint) = (points.first(), translucent_ink(colour, opacity)) else { return Ok(()) };
         if points.iter().all(|point| point == first) {
-            self.fill(PathBuilder::from_circle(first.0 as f32, first.1 as f32, width as f32), colour);
+            self.fill(PathBuilder::from_circle(first.0 as f32, first.1 as f32, width as f32), &paint);
         } else {
-            self.stroke(polyline(points, false), width, colour);
+            self.stroke(polyline(points, false), width, &paint);
         }
         Ok(())
     }
 
     fn area(&mut self, corners: &[(f64, f64)], colour: Colour) -> Result<(), PlotError> {
-        self.fill(polyline(corners, true), colour);
+        self.fill(polyline(corners, true), &ink(colour));
         Ok(())
     }
 
     fn ring(&mut self, centre: (f64, f64), radius: f64, width: f64, colour: Colour) -> Result<(), PlotError> {
         let circle = PathBuilder::from_circle(centre.0 as f32, centre.1 as f32, radius as f32);
-        self.stroke(circle, width, colour);
+        self.stroke(circle, width, &ink(colour));
         Ok(())
     }
 
     fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError> {
         let start = at.0 - style.align.shift(self.font.width(text, style.size));
         let curves = self.font.outlines(text, style.size, (start, at.1));
-        self.fill(glyph_path(&curves), style.colour);
+        self.fill(glyph_path(&curves), &ink(style.colour));
         Ok(())
     }
 }
@@ -217,6 +228,18 @@ mod tests {
         let red = painted(|surface| surface.line(&[(2.0, 1.0), (2.0, 1.0)], 1.0, BLACK));
         assert_eq!((red[8 + 3], red[8 + 4], red[0]), (0, 0, 255));
         assert_eq!(painted(|surface| surface.line(&[], 1.0, BLACK)), [255; 32]);
+    }
+
+    #[test]
+    fn strokes_with_an_opacity_add_up_where_they_overlap() {
+        let points = [(0.0, 1.0), (4.0, 1.0)];
+        let red = painted(|surface| surface.translucent_line(&points, 2.0, BLACK, 0.5));
+        assert!((126..=129).contains(&red[8 + 4]), "{red:?}");
+        let red = painted(|surface| {
+            surface.translucent_line(&points, 2.0, BLACK, 0.5)?;
+            surface.translucent_line(&points, 2.0, BLACK, 0.5)
+        });
+        assert!((62..=66).contains(&red[8 + 4]), "{red:?}");
     }
 
     #[test]

@@ -13,7 +13,18 @@ pub(super) trait Surface {
 
     /// Draws a polyline with round joins and ends. If all points coincide, it is a disc with radius
     /// `width`.
-    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Colour) -> Result<(), PlotError>;
+    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Colour) -> Result<(), PlotError> {
+        self.translucent_line(points, width, colour, 1.0)
+    }
+
+    /// Draws a polyline like [`line`](Surface::line), of which `opacity`, 0 to 1, covers what is below it.
+    fn translucent_line(
+        &mut self,
+        points: &[(f64, f64)],
+        width: f64,
+        colour: Colour,
+        opacity: f64,
+    ) -> Result<(), PlotError>;
 
     /// Fills a polygon.
     fn area(&mut self, corners: &[(f64, f64)], colour: Colour) -> Result<(), PlotError>;

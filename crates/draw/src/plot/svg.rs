@@ -110,11 +110,18 @@ impl Surface for SvgSurface<'_> {
         self.backend.draw_rect(from, to, &library_colour(colour), true).map_err(drawing_error)
     }
 
-    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: Colour) -> Result<(), PlotError> {
+    fn translucent_line(
+        &mut self,
+        points: &[(f64, f64)],
+        width: f64,
+        colour: Colour,
+        opacity: f64,
+    ) -> Result<(), PlotError> {
         let width = (width * self.scale).round() as u32;
+        let colour = BackendColor { alpha: opacity, ..library_colour(colour) };
         let points = whole_points(points, self.scale);
         if let [dot] = points[..] {
-            self.backend.draw_circle(dot, width, &library_colour(colour), true)
+            self.backend.draw_circle(dot, width, &colour, true)
         } else {
             self.backend.draw_path(points, &Outline { width, colour })
         }
@@ -129,7 +136,8 @@ impl Surface for SvgSurface<'_> {
     fn ring(&mut self, centre: (f64, f64), radius: f64, width: f64, colour: Colour) -> Result<(), PlotError> {
         let (radius, width) = ((radius * self.scale).round() as u32, (width * self.scale).round() as u32);
         let centre = whole_point(centre, self.scale);
-        self.backend.draw_circle(centre, radius, &Outline { width, colour }, false).map_err(drawing_error)
+        let outline = Outline { width, colour: library_colour(colour) };
+        self.backend.draw_circle(centre, radius, &outline, false).map_err(drawing_error)
     }
 
     fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError> {
@@ -149,12 +157,12 @@ struct Outline {
     /// The thickness.
     width: u32,
     /// The colour.
-    colour: Colour,
+    colour: BackendColor,
 }
 
 impl BackendStyle for Outline {
     fn color(&self) -> BackendColor {
-        library_colour(self.colour)
+        self.colour
     }
 
     fn stroke_width(&self) -> u32 {

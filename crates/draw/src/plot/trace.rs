@@ -9,7 +9,7 @@ use super::clip::{Area, clip};
 use super::colour::Colour;
 use super::surface::Surface;
 use super::thin::{drop_repeats, is_finite, is_monotonic, thin};
-use super::{Channel, Picture, PlotError, palette};
+use super::{Channel, Picture, PlotError, density, palette};
 
 /// The thickness of a trace.
 const LINE_WIDTH: f64 = 1.6;
@@ -75,14 +75,20 @@ fn with_points(channel: &Channel, is_selected: impl Fn(usize) -> bool) -> Channe
     Channel { points: points.collect(), ..channel.clone() }
 }
 
-/// Draws the lines, or dots, of a channel in a colour.
+/// Draws the lines, or dots, of a channel in a colour. Lines that are drawn over themselves many times are translucent,
+/// so that their density is visible.
 pub(super) fn draw(
     lines: &[Line],
     channel: &Channel,
     colour: Colour,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
-    lines.iter().try_for_each(|line| surface.line(line, width(channel), colour))
+    let width = width(channel);
+    if channel.dots || channel.faint {
+        return lines.iter().try_for_each(|line| surface.line(line, width, colour));
+    }
+    let (opacity, strokes) = density::strokes(lines, width);
+    strokes.iter().try_for_each(|stroke| surface.translucent_line(stroke, width, colour, opacity))
 }
 
 /// Returns the thickness of a line, or the radius of a dot.

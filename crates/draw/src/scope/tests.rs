@@ -1,8 +1,9 @@
 //! Pictures have the axes, channels and marks that the patch and the trace call for.
 
 use super::*;
+use patchcord_core::chords::CurvePoint;
 use patchcord_core::document::{Placed, Span};
-use patchcord_core::trace::{NewValue, PhaseEnd, Repetition};
+use patchcord_core::trace::{CurveAxis, NewValue, PhaseEnd, Repetition, SignalCurve, Track};
 
 fn spec(x: &str, y: &[&str]) -> PictureSpec {
     let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
@@ -131,4 +132,36 @@ fn invalid_pictures_are_rejected() {
     assert!(matches!(picture(&trace(), &spec("t", &["x"]), None, &[]), Err(ScopeError::NotRecorded { .. })));
     let three = spec("t", &["v", "F", "p"]);
     assert!(matches!(picture(&trace(), &three, None, &[]), Err(ScopeError::TooManyUnits { .. })));
+}
+
+/// A curve with these times and volts. A curve begins at each time 0.
+fn curve(x: &str, y: &str, points: &[(f64, [f64; 2])]) -> SignalCurve {
+    let axis = |name: &str| CurveAxis { name: name.into(), unit: "m/s".into(), per_volt: 1e-3 };
+    let point = |(time, volts)| CurvePoint { time, volts, begins: time == 0.0 };
+    SignalCurve { axes: [axis(x), axis(y)], points: points.iter().copied().map(point).collect() }
+}
+
+#[test]
+fn a_picture_against_a_signal_shows_the_curves_that_the_run_followed() {
+    let with_curves = Trace {
+        curves: vec![
+            curve("v", "w", &[(0.0, [0.0, 9.0]), (0.5, [4.0, 3.0]), (2.0, [1.0, 2.0]), (0.0, [5.0, 6.0])]),
+            curve("v", "F", &[(0.0, [0.0, 1.0]), (0.0, [7.0, 2.0]), (1.5, [8.0, 3.0])]),
+        ],
+        ..trace()
+    };
+    let one = picture(&with_curves, &spec("v", &["w"]), None, &[fault("w", 0, 0.5)]).unwrap();
+    let points = [(0.0, 9.0), (4.0, 3.0), (1.0, 2.0), (5.0, 6.0)];
+    let is_near =
+        |found: (f64, f64), wanted: (f64, f64)| (found.0 - wanted.0).hypot(found.1 - wanted.1) < 1e-12;
+    assert!(one.channels[0].points.iter().zip(points).all(|(found, wanted)| is_near(*found, wanted)));
+    assert_eq!((&one.channels[0].breaks[..], wrong_points(&one.channels[0])), (&[0, 3][..], vec![(1, 3)]));
+    assert!(one.vertical.high >= 9.0 && one.equal_scales);
+    let two = picture(&with_curves, &spec("v", &["w", "F"]), None, &[]).unwrap();
+    let shown = two.channels.iter().map(|channel| (channel.points.len(), channel.breaks.clone()));
+    assert_eq!(shown.collect::<Vec<_>>(), [(4, vec![0, 3]), (3, vec![0, 1])]);
+    assert!(is_near(two.channels[1].points[2], (8.0, 3.0)));
+    // The curve of p was not followed.
+    let samples = picture(&with_curves, &spec("v", &["w", "p"]), None, &[]).unwrap();
+    assert_eq!(samples.channels[0].points.len(), 6);
 }

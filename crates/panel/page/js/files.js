@@ -1,69 +1,57 @@
 /** Opening, saving, and what the page begins with. */
 
+import { isChanged, keep, markSaved, mountAutosave, replace, restore, resume } from './autosave.js';
+import { openDialog } from './dialogs.js';
 import { button, el, label } from './dom.js';
+import { pieces, showGallery } from './gallery.js';
 import { bind } from './keys.js';
 import { token } from './link.js';
 import { toast } from './messages.js';
+import { baseName, share, takeLink, textOf } from './share.js';
 import { on, send, state } from './state.js';
 
-/** The session of this tab, so that a reload loses nothing. */
-const STORED = 'patchcord.session';
-/** Milliseconds without a change after which the session is stored. */
-const QUIET = 800;
-
-/** @type {any} */
-let snapshot = null;
-/** Revision of the patch that was opened or saved last. */
-let saved = null;
+/** The largest file in bytes, as for the command. */
+const LARGEST_FILE = 16e6;
 
 const byId = (id) => document.getElementById(id);
-/** Another server, or another patch in the address, is another session. */
-const address = () => location.pathname + location.search + token();
-const isChanged = () => state.patch !== null && state.patch.undo !== null && state.patch.revision !== saved;
 
-async function openText(name, text) {
-  const events = await send({ command: 'open', name, text });
-  const isOpen = !events.some(({ event }) => event === 'refused');
-  if (isOpen) {
-    saved = state.patch?.revision ?? null;
-    document.documentElement.dataset.first = '';
-  }
+/** Puts the path of a patch of the gallery into the address, or none. */
+function setAddress(path = '') {
+  history.replaceState(null, '', location.pathname + (path && `?patch=${path}`));
+}
+
+/** Opens something. A fault becomes a message. @returns {Promise<boolean>} whether it is open */
+const attempt = (open) => open().catch((fault) => {
+  toast(fault.message);
+  return false;
+});
+
+async function openText(name, text, path) {
+  const isOpen = await replace({ command: 'open', name, text }, { path });
+  if (isOpen) document.documentElement.dataset.first = '';
   return isOpen;
 }
 
-/** Asks before changes are lost. @returns {Promise<boolean>} whether to continue */
-function mayReplace() {
-  if (!isChanged()) return Promise.resolve(true);
-  return ask('Replace this patch?', el('p', null, `“${state.patch.title || state.patch.file}” has changes that are not saved.`),
-    'Replace without saving');
+/** Keeps the present patch, or asks before its changes are lost. @returns {Promise<boolean>} whether to continue */
+async function mayReplace() {
+  return !isChanged() || await keep() || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
 }
 
-/** A dialog with a question. @returns {Promise<boolean>} whether the user agrees */
-function ask(title, content, yes) {
-  return new Promise((resolve) => {
-    const close = (answer) => () => dialog.close(answer);
-    const dialog = el('dialog', {
-      class: 'dialog', 'aria-labelledby': 'ask-title',
-      onclose: () => { dialog.remove(); resolve(dialog.returnValue === 'yes'); },
-    }, el('h2', { id: 'ask-title' }, title), content,
-    el('div', { class: 'dialog-buttons' }, button('Cancel', close('no')), button(yes, close('yes'), { class: 'primary', autofocus: true })));
-    document.body.append(dialog);
-    dialog.showModal();
-  });
-}
+const openFile = (file) => attempt(async () => {
+  const text = await textOf(file.stream(), LARGEST_FILE, `The file ${file.name}`);
+  if (await mayReplace() && await openText(file.name, text)) setAddress();
+});
 
-async function openFile(file) {
-  if (file && await mayReplace()) openText(file.name, await file.text());
-}
-
-async function create() {
+function create() {
   const machines = state.hello?.machines ?? [];
   const choice = el('select', null, machines.map(({ name, title }) =>
     el('option', { value: name, selected: name === state.patch?.machine }, title || name)));
-  const lost = isChanged() && el('p', { class: 'warning' }, 'The present patch has changes that are not saved. They will be lost.');
-  if (!await ask('New patch', el('div', null, label('Machine', choice), lost), 'Create')) return;
-  await send({ command: 'new', machine: choice.value || null });
-  saved = state.patch?.revision ?? null;
+  const make = async () => {
+    dialog.close();
+    if (await mayReplace() && await replace({ command: 'new', machine: choice.value || null })) setAddress();
+  };
+  const dialog = openDialog('New patch', [label('Machine', choice), el('div', { class: 'dialog-buttons' },
+    button('Cancel', () => dialog.close()), button('Create', make, { class: 'primary', autofocus: true }))]);
 }
 
 /** Gives the user a file. */
@@ -77,8 +65,8 @@ async function save() {
   const events = await send({ command: 'text' });
   const text = events.find(({ event }) => event === 'text');
   if (!text) return;
-  download(text.name.split(/[\\/]/).at(-1) || 'patch.json', text.text, 'application/json');
-  saved = state.patch?.revision ?? null;
+  download(baseName(text.name) || 'patch.json', text.text, 'application/json');
+  markSaved();
 }
 
 function mountDrop() {
@@ -99,74 +87,64 @@ function mountDrop() {
   });
 }
 
-/** Keeps the latest session, for a reload and for a lost connection. */
-function mountStore() {
-  let timer = 0;
-  const store = async () => {
-    const events = await send({ command: 'snapshot' });
-    const found = events.find(({ event }) => event === 'snapshot');
-    if (!found) return;
-    snapshot = found.snapshot;
-    try {
-      sessionStorage.setItem(STORED, JSON.stringify({ address: address(), saved, snapshot }));
-    } catch {
-      // The session is larger than the storage of the browser: a reload begins with the last one that fitted.
-    }
-  };
-  const later = () => {
-    clearTimeout(timer);
-    timer = setTimeout(store, QUIET);
-  };
-  for (const name of ['patch', 'scopes', 'machine']) on(name, later);
+async function fetchText(url) {
+  const answer = await fetch(url, { redirect: 'error' }).catch(() => null);
+  if (!answer?.ok) throw new Error(`There is no patch at ${url.pathname}. Check the address.`);
+  return textOf(answer.body, LARGEST_FILE, 'The patch');
 }
 
-function stored() {
-  try {
-    const found = JSON.parse(sessionStorage.getItem(STORED) ?? 'null');
-    return found?.address === address() ? found : null;
-  } catch {
-    return null;
+/** Opens a patch of the gallery, or a file in the folder of the page or below it. */
+async function openAt(name) {
+  const isPiece = (await pieces()).some(({ path }) => path === name);
+  const folder = new URL('.', document.baseURI);
+  const url = new URL(isPiece ? `patches/${name}` : name, folder);
+  if (!url.href.startsWith(folder.href)) {
+    throw new Error('The page opens patches in its own folder only. Save the file and drop it here.');
   }
-}
-
-/** Restores the session. @returns {Promise<boolean>} whether it worked */
-async function restore(content) {
-  const events = await send({ command: 'restore', snapshot: content });
-  return events.some(({ event }) => event === 'patch');
-}
-
-/** Opens the text at an address of this site. @returns {Promise<boolean>} whether there is one that opens */
-async function fetchPatch(url, isOptional, name = url.pathname.split('/').at(-1)) {
-  const answer = await fetch(url).catch(() => null);
-  if (!answer?.ok) {
-    if (!isOptional) toast(`No patch at ${url.pathname}. Check the address.`);
-    return false;
-  }
-  return openText(name, await answer.text());
+  return openText(baseName(decodeURIComponent(url.pathname)), await fetchText(url), isPiece ? name : null);
 }
 
 async function openNamed() {
-  const named = new URLSearchParams(location.search).get('patch');
-  if (named === null) return false;
-  const url = new URL(named, document.baseURI);
-  if (url.origin === location.origin) return fetchPatch(url, false);
-  toast('The page opens patches of its own site only. Save the file and drop it here.');
-  return false;
+  const name = new URLSearchParams(location.search).get('patch');
+  return name !== null && openAt(name);
 }
 
-/** Brings the first patch: that of the last session, of the address, of the server, or the first lesson. */
+async function openLink() {
+  const link = await takeLink();
+  return link !== null && await mayReplace() && openText(link.name, link.text);
+}
+
+/** Opens the patch with which the server was started. */
+async function openGiven() {
+  const { kind, patch } = state.host ?? {};
+  if (kind !== 'server' || !patch) return false;
+  return openText(patch, await fetchText(new URL(`patch?token=${encodeURIComponent(token())}`, document.baseURI)));
+}
+
+const GALLERY = {
+  /** One click opens a patch and runs it. */
+  open: (path) => attempt(async () => {
+    if (!await mayReplace() || !await openAt(path)) return;
+    setAddress(path);
+    send({ command: 'mode', mode: 'operate' });
+  }),
+  restore: (id) => attempt(async () => { if (await mayReplace() && await restore(id)) setAddress(); }),
+};
+
+/** Brings the first patch. If nothing names one, the gallery opens. */
 export async function begin() {
-  if (snapshot !== null && await restore(snapshot)) return;
-  const found = stored();
-  if (found && await restore(found.snapshot)) {
-    saved = found.saved;
-    return;
+  const isNamed = state.host?.patch || /[?&#](patch|p)=/.test(location.href);
+  for (const open of [openLink, resume, openNamed, openGiven]) {
+    if (await attempt(open)) return;
   }
-  if (await openNamed()) return;
-  const own = new URL(`patch?token=${encodeURIComponent(token())}`, document.baseURI);
-  if (state.host?.kind === 'server' && state.host.patch && await fetchPatch(own, false, state.host.patch)) return;
-  if (await fetchPatch(new URL('patches/default.json', document.baseURI), true)) return;
-  await send({ command: 'new', machine: null });
+  await replace({ command: 'new', machine: null });
+  if (!isNamed) showGallery(GALLERY);
+}
+
+/** The title of the window has a mark while the patch differs from its file. */
+function mark() {
+  document.documentElement.toggleAttribute('data-changed', isChanged());
+  document.title = (isChanged() ? '• ' : '') + document.title.replace(/^• /, '');
 }
 
 /** Connects the buttons and the page. */
@@ -174,16 +152,20 @@ export function mountFiles() {
   const input = byId('file');
   const choose = () => input.click();
   input.addEventListener('change', () => {
-    openFile(input.files[0]);
+    if (input.files.length) openFile(input.files[0]);
     // The same file can be opened again after a change.
     input.value = '';
   });
-  for (const [id, key, text, run] of [['new', null, 'New patch', create], ['open', 'Ctrl+O', 'Open a patch', choose],
-    ['save', 'Ctrl+S', 'Save the patch', save]]) {
+  for (const [id, key, text, run] of [['gallery', 'g', 'Gallery', () => showGallery(GALLERY)], ['new', null, 'New patch', create],
+    ['open', 'Ctrl+O', 'Open a patch', choose], ['save', 'Ctrl+S', 'Save the patch', save], ['share', null, 'Share', share]]) {
     byId(id).addEventListener('click', run);
     if (key) bind(key, text, run);
   }
   mountDrop();
-  mountStore();
-  addEventListener('beforeunload', (event) => { if (isChanged() && snapshot === null) event.preventDefault(); });
+  mountAutosave();
+  for (const name of ['patch', 'saved']) on(name, mark);
+  addEventListener('hashchange', () => {
+    token();
+    attempt(openLink);
+  });
 }

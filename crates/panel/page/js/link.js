@@ -9,19 +9,19 @@
 
 const TOKEN = 'patchcord.token';
 
-/** The token of the server. It moves from the address bar into the storage of this tab, so that it is not shared by mistake. */
+/** The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by mistake, and links also open in other tabs. */
 export function token() {
   const query = new URLSearchParams(location.search);
   const fragment = new URLSearchParams(location.hash.slice(1));
   const given = fragment.get('token') ?? query.get('token');
   if (given !== null) {
-    sessionStorage.setItem(TOKEN, given);
+    localStorage.setItem(TOKEN, given);
     query.delete('token');
     fragment.delete('token');
-    const rest = (parameters, sign) => (parameters.size ? sign + parameters : '');
+    const rest = (parameters, sign) => (parameters.size ? sign + String(parameters).replaceAll('%2F', '/') : '');
     history.replaceState(null, '', location.pathname + rest(query, '?') + rest(fragment, '#'));
   }
-  return sessionStorage.getItem(TOKEN) ?? '';
+  return localStorage.getItem(TOKEN) ?? '';
 }
 
 /** Requests without an answer, in the order of the answers. */

@@ -7,6 +7,7 @@ use super::history::StepKind;
 use super::{Document, Edited, Loose, Refusal};
 use crate::command::{CordEnd, CordName};
 use crate::event::Place;
+use crate::limits::MAX_LOOSE_CORDS;
 use crate::wiring;
 
 /// The ends of a cord: an input jack and an output.
@@ -88,6 +89,13 @@ pub(super) fn put_loose(
     }
     if replaces.is_some_and(|cord| !cord.has_end(patch, end)) {
         return Err(Refusal::new("the loose cord must keep one end of the cord that it replaces"));
+    }
+    if !at.iter().all(|coordinate| coordinate.is_finite()) {
+        return Err(Refusal::new("the loose end must have a place on the panel"));
+    }
+    if document.loose.len() >= MAX_LOOSE_CORDS {
+        let message = format!("there are {MAX_LOOSE_CORDS} loose cords: plug them in or remove them first");
+        return Err(Refusal::new(message));
     }
     let patch = replaces.map(|cord| rewired(document, Some(cord), None)).transpose()?;
     let mut loose = document.loose.clone();

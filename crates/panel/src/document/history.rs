@@ -11,7 +11,7 @@ use super::Loose;
 use crate::command::Mode;
 
 /// Largest number of steps.
-const MAX_STEPS: usize = 100;
+pub(super) const MAX_STEPS: usize = 100;
 /// Largest size of the texts of all steps, in bytes.
 const MAX_BYTES: usize = 4_000_000;
 

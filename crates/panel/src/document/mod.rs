@@ -13,16 +13,16 @@ mod kinds;
 mod settings;
 mod snapshot;
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use patchcord_core::machines;
-use patchcord_core::patch::{EditError, Patch, PatchEditor};
+use patchcord_core::patch::{EditError, Patch, PatchEditor, TableAccess};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::command::{Command, CordEnd, Mode};
 use crate::event::Place;
+use crate::limits;
 use cords::CordEnds;
 use history::{Direction, History, State, Step, StepKind};
 
@@ -35,8 +35,6 @@ pub struct Document {
     patch: Patch,
     /// The text of the patch, which steps of the history share.
     text: Arc<str>,
-    /// The folder to which paths of tables are relative.
-    folder: PathBuf,
     /// Cords with a loose end.
     loose: Vec<Loose>,
     /// Number of the next loose cord.
@@ -104,7 +102,7 @@ impl From<EditError> for Refusal {
 }
 
 /// A change that has been checked, before it is carried out.
-struct Edited {
+pub(crate) struct Edited {
     /// The new patch; `None` if it stays.
     patch: Option<Patch>,
     /// The new loose cords; `None` if they stay.
@@ -126,35 +124,34 @@ impl Edited {
 const EMPTY_RUN: u32 = 10;
 
 impl Document {
-    /// Reads a patch. Paths of its tables are relative to `folder`. Faults inside the patch are findings of the checker.
+    /// Reads a patch, with the tables that `table_access` permits. Faults inside the patch are findings of the checker.
     ///
     /// # Errors
-    /// If the text is not a patch at all. The message is the printed report.
-    pub fn open(name: &str, text: &str, folder: &Path) -> Result<Document, Refusal> {
-        Ok(Document::of(parsed(name, text, folder)?, folder))
+    /// If the text is not a patch at all, or above the limits. The message is the printed report.
+    pub fn open(name: &str, text: &str, table_access: &TableAccess) -> Result<Document, Refusal> {
+        Ok(Document::of(parsed(name, text, table_access)?))
     }
 
     /// A patch without elements for a machine; without limits if the machine is unknown. It runs 10 s in steps of 1 ms.
     ///
     /// # Panics
     /// Never: the text is a patch.
-    pub fn empty(machine: Option<&str>) -> Document {
+    pub fn empty(machine: Option<&str>, table_access: &TableAccess) -> Document {
         let machine = machine.and_then(machines::find).unwrap_or(machines::DEFAULT_MACHINE);
         let text = format!(
             "{{\n  \"patchcord\": 1,\n  \"title\": \"Untitled\",\n  \"machine\": \"{}\",\n  \"elements\": {{}},\n  \
              \"run\": {{\"for\": {EMPTY_RUN}, \"step\": 0.001}}\n}}\n",
             machine.name
         );
-        let patch = Patch::parse("untitled.json", &text).expect("the text is a patch");
-        Document::of(patch, Path::new(""))
+        let patch = Patch::parse_with(table_access.clone(), "untitled.json", &text);
+        Document::of(patch.expect("the text is a patch"))
     }
 
     /// The document of a patch that has just been read.
-    fn of(patch: Patch, folder: &Path) -> Document {
+    fn of(patch: Patch) -> Document {
         Document {
             text: Arc::from(patch.text()),
             patch,
-            folder: folder.to_owned(),
             loose: Vec::new(),
             next_loose: 1,
             revision: 1,
@@ -186,8 +183,11 @@ impl Document {
         Ok(self.commit(edited))
     }
 
-    /// Checks a command and makes its change.
-    fn edited(&self, command: &Command) -> Result<Edited, Refusal> {
+    /// Checks a command and makes its change, which [`Document::commit`] carries out.
+    ///
+    /// # Errors
+    /// As for [`Document::apply`].
+    pub(crate) fn edited(&self, command: &Command) -> Result<Edited, Refusal> {
         match command {
             Command::Parameter { name, value } => settings::parameter(self, name, *value),
             Command::Setting { element, setting, value } => settings::setting(self, element, setting, value),
@@ -210,7 +210,7 @@ impl Document {
     }
 
     /// Carries out a change and adds it to the history. A change without effect is no step.
-    fn commit(&mut self, edited: Edited) -> Change {
+    pub(crate) fn commit(&mut self, edited: Edited) -> Change {
         let Edited { patch, loose, label, kind } = edited;
         let before = self.state();
         if let Some(patch) = patch.filter(|patch| *patch.text() != *self.text) {
@@ -260,7 +260,7 @@ impl Document {
         let step = step.ok_or_else(|| Refusal::new(format!("there is nothing to {}", direction.verb())))?;
         let before = self.state();
         if step.state.text != self.text {
-            self.patch = parsed(self.patch.file(), &step.state.text, &self.folder)?;
+            self.patch = parsed(self.patch.file(), &step.state.text, self.patch.table_access())?;
         }
         (self.text, self.loose) = (step.state.text, step.state.loose);
         if before != self.state() {
@@ -285,12 +285,12 @@ impl Document {
         snapshot::save(self)
     }
 
-    /// The document of a snapshot. Paths of its tables are relative to `folder`.
+    /// The document of a snapshot, with the tables that `table_access` permits.
     ///
     /// # Errors
     /// If the data are not a snapshot, or its text is not a patch.
-    pub fn restore(snapshot: &Value, folder: &Path) -> Result<Document, Refusal> {
-        snapshot::restore(snapshot, folder)
+    pub fn restore(snapshot: &Value, table_access: &TableAccess) -> Result<Document, Refusal> {
+        snapshot::restore(snapshot, table_access)
     }
 
     /// The present state for the history.
@@ -317,13 +317,20 @@ impl Document {
     /// The patch with the edits of an editor, read again from its text.
     fn reread(&self, editor: PatchEditor) -> Result<Patch, Refusal> {
         let file = self.patch.file();
-        parsed(file, editor.finish(file)?.text(), &self.folder)
+        parsed(file, editor.finish(file)?.text(), self.patch.table_access())
     }
 }
 
 /// Reads a patch from a text.
-fn parsed(file: &str, text: &str, folder: &Path) -> Result<Patch, Refusal> {
-    Patch::parse_in(folder, file, text).map_err(|report| Refusal::new(report.to_string()))
+///
+/// # Errors
+/// If it is not a patch, or above the limits.
+fn parsed(file: &str, text: &str, table_access: &TableAccess) -> Result<Patch, Refusal> {
+    limits::check_text(text).map_err(Refusal::new)?;
+    let patch = Patch::parse_with(table_access.clone(), file, text);
+    let patch = patch.map_err(|report| Refusal::new(report.to_string()))?;
+    limits::check_patch(&patch).map_err(Refusal::new)?;
+    Ok(patch)
 }
 
 /// The name of a mode in words: "pot set".

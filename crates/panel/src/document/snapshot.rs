@@ -2,15 +2,22 @@
 //!
 //! Steps of the history share most of their texts, so each text is saved once and steps refer to it by its index.
 
-use std::path::Path;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use patchcord_core::document::json_value;
+use patchcord_core::patch::TableAccess;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::history::{History, State, Step, StepKind};
+use super::history::{History, MAX_STEPS, State, Step, StepKind};
 use super::{Document, Loose, Refusal, parsed};
+use crate::limits::{MAX_LOOSE_CORDS, MAX_NAME_CHARACTERS};
+
+/// Largest number of characters of the name of a step. It contains at most five names.
+const MAX_LABEL_CHARACTERS: usize = 6 * MAX_NAME_CHARACTERS;
+/// Largest number of a loose cord: the largest integer that the page can represent with all smaller ones.
+const MAX_LOOSE_ID: u64 = (1 << 53) - 1;
 
 /// A saved document.
 #[derive(Debug, Deserialize, Serialize)]
@@ -83,13 +90,16 @@ fn saved_state(state: &State, texts: &mut Vec<String>) -> SavedState {
 /// Makes the document of a snapshot.
 ///
 /// # Errors
-/// If the data are not a snapshot, or its text is not a patch.
-pub(super) fn restore(snapshot: &Value, folder: &Path) -> Result<Document, Refusal> {
+/// If the data are not a snapshot or above the limits, or its text is not a patch.
+pub(super) fn restore(snapshot: &Value, table_access: &TableAccess) -> Result<Document, Refusal> {
     let saved = SavedDocument::deserialize(snapshot).map_err(|error| broken(&error.to_string()))?;
+    if saved.done.len() + saved.undone.len() > MAX_STEPS {
+        return Err(broken("it has too many steps"));
+    }
     let texts: Vec<Arc<str>> = saved.texts.iter().map(|text| Arc::from(text.as_str())).collect();
     let present = state(saved.present, &texts)?;
     let history = History::with_steps(steps(saved.done, &texts)?, steps(saved.undone, &texts)?);
-    let mut document = Document::of(parsed(&saved.file, &present.text, folder)?, folder);
+    let mut document = Document::of(parsed(&saved.file, &present.text, table_access)?);
     let loose_cords = history.done.iter().chain(&history.undone).flat_map(|step| &step.state.loose);
     let last = loose_cords.chain(&present.loose).map(|cord| cord.id).max();
     document.next_loose = last.map_or(1, |last| last.saturating_add(1));
@@ -99,15 +109,28 @@ pub(super) fn restore(snapshot: &Value, folder: &Path) -> Result<Document, Refus
 
 /// The steps of a history.
 fn steps(saved: Vec<SavedStep>, texts: &[Arc<str>]) -> Result<Vec<Step>, Refusal> {
-    let step = |SavedStep { label, kind, state: saved }| {
-        state(saved, texts).map(|state| Step { label, kind, state })
+    let step = |SavedStep { label, kind, state: saved }| match label.chars().nth(MAX_LABEL_CHARACTERS) {
+        Some(_) => Err(broken("the name of a step is too long")),
+        None => state(saved, texts).map(|state| Step { label, kind, state }),
     };
     saved.into_iter().map(step).collect()
 }
 
 /// A state with its text.
+///
+/// # Errors
+/// If its text is missing, or its loose cords are not valid.
 fn state(saved: SavedState, texts: &[Arc<str>]) -> Result<State, Refusal> {
     let text = texts.get(saved.text).ok_or_else(|| broken("a text is missing"))?;
+    let ids: HashSet<u64> = saved.loose.iter().map(|cord| cord.id).collect();
+    let is_valid =
+        |cord: &Loose| cord.id <= MAX_LOOSE_ID && cord.at.iter().all(|coordinate| coordinate.is_finite());
+    if saved.loose.len() > MAX_LOOSE_CORDS
+        || ids.len() < saved.loose.len()
+        || !saved.loose.iter().all(is_valid)
+    {
+        return Err(broken("its loose cords are not valid"));
+    }
     Ok(State { text: Arc::clone(text), loose: saved.loose })
 }
 

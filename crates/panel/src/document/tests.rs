@@ -16,7 +16,7 @@ fn lesson() -> Document {
 /// A shipped patch.
 fn shipped(name: &str) -> Document {
     let text = fs::read_to_string(format!("../../patches/{name}")).unwrap();
-    Document::open(name, &text, Path::new("../../patches/lessons")).unwrap()
+    Document::open(name, &text, &TableAccess::Below("../../patches/lessons".into())).unwrap()
 }
 
 /// A command that plugs a cord in.
@@ -176,7 +176,7 @@ fn a_parameter_outside_its_range_is_refused() {
     // A value inside the range that would turn a pot beyond its end.
     let text = r#"{"patchcord": 1, "parameters": {"a": {"value": 0.5, "unit": "1", "range": [0, 2]}},
         "elements": {"P1": {"kind": "pot", "in": "+100", "setting": "a"}}, "record": ["P1"]}"#;
-    let mut document = Document::open("p.json", text, Path::new("")).unwrap();
+    let mut document = Document::open("p.json", text, &TableAccess::None).unwrap();
     let refused = refusal(&mut document, &turn("a", 1.5));
     assert!(refused.message.starts_with("a cannot be 1.5: "), "{}", refused.message);
     assert!(document.apply(&turn("a", 1.0)).is_ok());
@@ -270,7 +270,8 @@ fn a_snapshot_keeps_the_patch_the_loose_cords_and_the_history() {
     document.record_mode(Mode::Hold, Mode::Operate);
     document.apply(&add("pot")).unwrap();
     document.undo().unwrap();
-    let mut restored = Document::restore(&document.snapshot(), Path::new("../../patches/lessons")).unwrap();
+    let mut restored =
+        Document::restore(&document.snapshot(), &TableAccess::Below("../../patches/lessons".into())).unwrap();
     assert_eq!((restored.state(), restored.patch().file()), (document.state(), document.patch().file()));
     assert_eq!((restored.undo_label(), restored.redo_label()), (Some("change to operate"), Some("add P4")));
     assert_eq!(restored.snapshot(), document.snapshot());
@@ -286,7 +287,7 @@ fn a_snapshot_keeps_the_patch_the_loose_cords_and_the_history() {
 
 #[test]
 fn data_that_are_no_snapshot_are_refused() {
-    let refuse = |snapshot: &Value| Document::restore(snapshot, Path::new("")).unwrap_err().message;
+    let refuse = |snapshot: &Value| Document::restore(snapshot, &TableAccess::None).unwrap_err().message;
     assert!(refuse(&json!({"file": "p.json"})).starts_with("the saved session cannot be read"));
     let mut snapshot = lesson().snapshot();
     snapshot["present"]["text"] = json!(5);
@@ -299,7 +300,7 @@ fn data_that_are_no_snapshot_are_refused() {
 
 #[test]
 fn a_text_that_is_not_a_patch_is_refused_with_the_report() {
-    let refused = Document::open("p.json", "{\"patchcord\": 1,}", Path::new("")).unwrap_err();
+    let refused = Document::open("p.json", "{\"patchcord\": 1,}", &TableAccess::None).unwrap_err();
     assert!(refused.message.contains("remove the last comma"), "{}", refused.message);
-    assert!(Document::open("p.json", r#"{"patchcord": 1, "elements": 5}"#, Path::new("")).is_ok());
+    assert!(Document::open("p.json", r#"{"patchcord": 1, "elements": 5}"#, &TableAccess::None).is_ok());
 }

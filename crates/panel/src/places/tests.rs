@@ -1,7 +1,6 @@
-use std::path::Path;
-
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Code;
+use patchcord_core::patch::TableAccess;
 use serde_json::json;
 
 use super::*;
@@ -11,13 +10,13 @@ use crate::document::Document;
 /// A shipped patch.
 fn shipped(name: &str) -> Document {
     let text = std::fs::read_to_string(format!("../../patches/{name}")).unwrap();
-    Document::open(name, &text, Path::new("../../patches/lessons")).unwrap()
+    Document::open(name, &text, &TableAccess::Below("../../patches/lessons".into())).unwrap()
 }
 
 /// A patch of these sections, on the Solartron 1451.
 fn patch(sections: &str) -> Document {
     let text = format!("{{\"patchcord\": 1, \"machine\": \"solartron-1451\", {sections}}}");
-    Document::open("p.json", &text, Path::new("")).unwrap()
+    Document::open("p.json", &text, &TableAccess::None).unwrap()
 }
 
 /// The findings about a document with this code.
@@ -126,6 +125,6 @@ fn a_port_without_a_cord_is_reported_at_the_instance() {
 
 #[test]
 fn a_finding_about_the_whole_patch_has_no_place() {
-    let findings = found(&Document::empty(None), Code::MISSING_KEY);
+    let findings = found(&Document::empty(None, &TableAccess::None), Code::MISSING_KEY);
     assert_eq!((findings.len(), findings[0].place.clone()), (1, None));
 }

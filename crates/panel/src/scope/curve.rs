@@ -3,7 +3,8 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::mem;
 
-use super::{CHANNELS, Sample};
+use super::Sample;
+use patchcord_core::chords::{Chord, CurvePoint, thin};
 
 /// The largest number of points of a curve.
 const MAX_POINTS: usize = 20_000;
@@ -41,81 +42,9 @@ struct Points {
     /// A number that grows from curve to curve.
     generation: u32,
     /// The ends of the chords.
-    points: Vec<Point>,
+    points: Vec<CurvePoint>,
     /// The number of points that frames have.
     sent: usize,
-}
-
-/// A point of a curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Point {
-    /// Its coordinates in volts.
-    volts: [f64; CHANNELS],
-    /// Its time in seconds.
-    time: f64,
-    /// Whether a curve begins with it.
-    begins: bool,
-}
-
-/// A straight line, at constant speed, that replaces the points between its ends.
-#[derive(Debug, Clone, Copy)]
-struct Chord {
-    /// Its beginning.
-    anchor: Point,
-    /// Its end so far. It is the anchor if there is no other point.
-    end: Point,
-    /// Least and largest speed in volts per second, for each coordinate, at which the line passes all points within
-    /// the tolerance.
-    speeds: [[f64; 2]; CHANNELS],
-}
-
-impl Chord {
-    /// A chord that consists of its beginning.
-    fn new(anchor: Point) -> Self {
-        Chord { anchor, end: anchor, speeds: [[f64::NEG_INFINITY, f64::INFINITY]; CHANNELS] }
-    }
-
-    /// The end, unless it is the beginning.
-    fn open_end(&self) -> Option<Point> {
-        (self.end != self.anchor).then_some(self.end)
-    }
-
-    /// Extends the chord to the next point. If that is not possible, it begins a chord at the present end. The answer
-    /// are the points with which chords ended. `tolerance` is that of a coordinate.
-    fn extend(&mut self, point: Point, tolerance: f64) -> [Option<Point>; 2] {
-        let mut ended = None;
-        if point.begins || !self.reaches(&point, tolerance) {
-            ended = self.open_end();
-            *self = Chord::new(self.end);
-            if point.begins || !self.reaches(&point, tolerance) {
-                *self = Chord::new(point);
-                return [ended, Some(point)];
-            }
-        }
-        self.end = point;
-        let seconds = point.time - self.anchor.time;
-        if seconds > 0.0 {
-            for (axis, [least, largest]) in self.speeds.iter_mut().enumerate() {
-                let distance = point.volts[axis] - self.anchor.volts[axis];
-                *least = least.max((distance - tolerance) / seconds);
-                *largest = largest.min((distance + tolerance) / seconds);
-            }
-        }
-        [ended, None]
-    }
-
-    /// Whether the line to a point passes all points so far within the tolerance.
-    fn reaches(&self, point: &Point, tolerance: f64) -> bool {
-        let seconds = point.time - self.anchor.time;
-        self.speeds.iter().enumerate().all(|(axis, [least, largest])| {
-            let distance = point.volts[axis] - self.anchor.volts[axis];
-            if seconds > 0.0 {
-                (*least..=*largest).contains(&(distance / seconds))
-            } else {
-                distance.abs() <= tolerance
-            }
-        })
-    }
 }
 
 impl Curve {
@@ -148,9 +77,10 @@ impl Curve {
         self.tolerance = tolerance;
     }
 
-    /// The tolerance of the next points.
-    fn present_tolerance(&self) -> f64 {
-        if self.is_coarse { COARSER * self.tolerance } else { self.tolerance }
+    /// The tolerances of the next points along both axes.
+    fn present_tolerances(&self) -> [f64; 2] {
+        let tolerance = if self.is_coarse { COARSER * self.tolerance } else { self.tolerance };
+        [tolerance * FRAC_1_SQRT_2; 2]
     }
 
     /// Ends the present curve, because a run begins.
@@ -186,11 +116,11 @@ impl Curve {
             self.end_chord();
             return;
         }
-        let tolerance = self.present_tolerance() * FRAC_1_SQRT_2;
-        let point = Point { volts: sample.volts, time: sample.time, begins: self.chord.is_none() };
+        let tolerances = self.present_tolerances();
+        let point = CurvePoint { volts: sample.volts, time: sample.time, begins: self.chord.is_none() };
         match &mut self.chord {
             Some(chord) => {
-                let ended = chord.extend(point, tolerance);
+                let ended = chord.extend(point, tolerances);
                 ended.into_iter().flatten().for_each(|point| self.push(point));
             }
             None => {
@@ -208,15 +138,15 @@ impl Curve {
     }
 
     /// Adds the end of a chord. A full curve is thinned.
-    fn push(&mut self, point: Point) {
+    fn push(&mut self, point: CurvePoint) {
         self.current.points.push(point);
         if self.current.points.len() < MAX_POINTS {
             return;
         }
         self.current.sent = 0;
         if !mem::replace(&mut self.is_coarse, true) {
-            let tolerance = self.present_tolerance();
-            thin(&mut self.current.points, tolerance);
+            let tolerances = self.present_tolerances();
+            thin(&mut self.current.points, tolerances);
         }
         if self.current.points.len() > POINTS_OF_FULL {
             self.current.points.drain(..MAX_POINTS / 2);
@@ -262,22 +192,6 @@ impl Curve {
         }
         curve.sent = curve.points.len();
     }
-}
-
-/// Removes points that chords do not need. Those that remain have this tolerance.
-fn thin(points: &mut Vec<Point>, tolerance: f64) {
-    let Some(first) = points.first() else { return };
-    let mut chord = Chord::new(*first);
-    let mut kept = 1;
-    for index in 1..points.len() {
-        // At most one point is kept for each one that was read, so no point is overwritten before it is read.
-        for ended in chord.extend(points[index], tolerance * FRAC_1_SQRT_2).into_iter().flatten() {
-            points[kept] = ended;
-            kept += 1;
-        }
-    }
-    points.truncate(kept);
-    points.extend(chord.open_end());
 }
 
 #[cfg(test)]

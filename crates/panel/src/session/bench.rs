@@ -12,6 +12,7 @@ use patchcord_core::solve::{LiveState, Machine, Phase, RunError, RunSettings};
 use super::live_machine::{Live, LiveMachine, live_machine};
 use crate::command::Mode;
 use crate::compiled::Compiled;
+use crate::limits::MAX_DELAY_BYTES;
 use crate::scope::Scope;
 use crate::wiring::Output;
 
@@ -21,6 +22,11 @@ const DEFAULT_SWEEP: f64 = 10.0;
 const DEFAULT_STEPS: f64 = 10_000.0;
 /// Number of steps after which the host is asked whether there is time for more.
 const STEPS_BETWEEN_QUESTIONS: u64 = 200;
+/// Largest number of consecutive phases that take no time in one advance. An overload can end every sweep at its
+/// beginning, and a run can have millions of initial conditions.
+const MAX_IDLE_PHASES: usize = 1000;
+/// Largest number of pieces of [`STEPS_BETWEEN_QUESTIONS`] steps that are repeated when the machine goes back.
+const MAX_REPEATED_PIECES: usize = 1000;
 /// Largest change of a voltage between two points of an X-Y curve, in volts, if steps are long.
 const CURVE_VOLTS: f64 = 0.5;
 
@@ -70,6 +76,8 @@ pub(super) struct Bench {
     pub is_blocked: bool,
     /// Why the machine stopped.
     pub stopped: Option<String>,
+    /// The mode for which the machine plays its phases; `None` before the first one and after the machine went back.
+    plays: Option<Mode>,
     /// Problem seconds by which the machine is ahead of the clock, because it was held or took a step across it;
     /// negative if it is behind by less than a step.
     ahead: f64,
@@ -93,6 +101,7 @@ impl Bench {
             plan_length: None,
             is_blocked: true,
             stopped: None,
+            plays: None,
             ahead: 0.0,
             last_point: f64::INFINITY,
             repetitions: 0,
@@ -107,7 +116,7 @@ impl Bench {
     }
 
     /// Takes another patch. With `None`, which stands for a patch that does not compile, the machine waits. Otherwise it
-    /// continues with the states of the present one, unless `resets`.
+    /// continues with the states of the present one, unless `resets`, or if there is none that runs.
     pub(super) fn set_patch(
         &mut self,
         compiled: Option<&Compiled>,
@@ -123,6 +132,7 @@ impl Bench {
         self.plan = circuit.run_plan().all_phases();
         self.plan_length = circuit.run_plan().longest_repetition();
         let old = self.machine.take().filter(|_| !resets && self.stopped.is_none());
+        let resets = resets || old.is_none();
         self.stopped = None;
         match continued(program, &run_settings(circuit, self.controls.sweep), old) {
             Ok(machine) => self.machine = Some(machine),
@@ -158,7 +168,7 @@ impl Bench {
         match mode {
             Mode::Hold => {}
             Mode::Operate if continues => {
-                if !matches!(before, Mode::Operate | Mode::Hold) {
+                if self.plays != Some(Mode::Operate) {
                     self.play_phases(&[Phase::operate(self.sweep())]);
                 }
             }
@@ -177,12 +187,21 @@ impl Bench {
         };
         (self.repetitions, self.ahead, self.last_point) = (0, 0.0, f64::INFINITY);
         self.play_phases(&phases);
+        self.with_live(|live| {
+            live.forget_checkpoints();
+            Ok(())
+        });
         self.follow(0.0, scopes, &mut || false);
     }
 
-    /// Replaces the phases that the machine plays.
+    /// Replaces the phases that the machine plays, and drops the records of those that it has played.
     fn play_phases(&mut self, phases: &[Phase]) {
-        self.with_live(|live| live.run.replace_phases(phases));
+        self.plays = Some(self.controls.mode);
+        self.with_live(|live| {
+            live.run.replace_phases(phases)?;
+            live.run.take_samples();
+            Ok(())
+        });
     }
 
     /// Calls a function on the machine, if there is one. An error stops the machine.
@@ -219,21 +238,25 @@ impl Bench {
     pub(super) fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), String> {
         let Some(machine) = &mut self.machine else { return Ok(()) };
         machine.with_dependent_mut(|_, live| {
-            live.run.set_parameters([(name, value)]).map_err(|error| error.to_string())?;
-            live.note_change().map_err(|error| error.to_string())
-        })
+            live.run.set_parameters([(name, value)]).map_err(|error| error.to_string())
+        })?;
+        self.with_live(|live| live.note_change());
+        Ok(())
     }
 
     /// Moves the machine back to an earlier time of its run, and holds it there. `parameters` are the present ones.
     ///
     /// # Errors
-    /// The message if the time is not within the run.
+    /// The message if the time is not within the run, or if the machine waits for a patch without faults.
     pub(super) fn scrub(
         &mut self,
         time: f64,
         parameters: &[(String, f64)],
         scopes: &mut [Scope],
     ) -> Result<(), String> {
+        if self.is_blocked {
+            return Err("the patch has faults: correct them before the machine goes back".to_owned());
+        }
         let clock = self.clock();
         let goal = self.with_live(|live| Ok(if time <= clock { live.return_before(time) } else { None }));
         let Some(goal) = goal.flatten() else {
@@ -242,7 +265,7 @@ impl Bench {
                 "the machine can be moved back to {oldest} ... {clock} s of its run, not to {time} s"
             ));
         };
-        (self.stopped, self.controls.mode) = (None, Mode::Hold);
+        (self.stopped, self.controls.mode, self.plays) = (None, Mode::Hold, None);
         let watched = &self.watched;
         let Some(machine) = &mut self.machine else { return Ok(()) };
         let outcome = machine.with_dependent_mut(|_, live| {
@@ -294,7 +317,8 @@ impl Bench {
             (Mode::Repetitive, Some(rate)) => Some(rate * self.sweep()),
             _ => self.controls.speed,
         };
-        speed.map_or(f64::INFINITY, |speed| seconds * speed)
+        // The sweep of a patch may be as long as numbers permit.
+        speed.map_or(f64::INFINITY, |speed| seconds * speed.min(f64::MAX))
     }
 
     /// Advances the clock by seconds. `must_stop` says whether the host has no more time.
@@ -314,11 +338,22 @@ impl Bench {
         if expected > 0.0 {
             self.factor = done / expected;
         }
+        self.check_memory();
+    }
+
+    /// Stops a machine whose delays have stored more than is permitted.
+    fn check_memory(&mut self) {
+        if self.read(|machine| machine.delay_bytes()).is_some_and(|bytes| bytes > MAX_DELAY_BYTES) {
+            let megabytes = MAX_DELAY_BYTES / 1_000_000;
+            self.stopped = Some(format!(
+                "the delays store more than {megabytes} MB: use shorter delays, fewer of them, or longer steps"
+            ));
+        }
     }
 
     /// Lets the machine follow the clock by problem seconds, which may be infinite. Returns those that it covered.
     fn follow(&mut self, asked: f64, scopes: &mut [Scope], must_stop: &mut dyn FnMut() -> bool) -> f64 {
-        let (mut left, mut done) = (asked - self.ahead, 0.0);
+        let (mut left, mut done, mut idle_phases) = (asked - self.ahead, 0.0, 0);
         while self.stopped.is_none() && self.has_phase_to_play(left) {
             let before = self.clock();
             let outcome = self.with_live(|live| live.run.advance(before + left, STEPS_BETWEEN_QUESTIONS));
@@ -326,14 +361,15 @@ impl Bench {
             self.pass_points(scopes);
             if after < before {
                 self.begin_repetition();
-                continue;
+            } else {
+                (left, done) = (left - (after - before), done + (after - before));
+                // The time that is left is shorter than a step, or the machine is ahead.
+                if left <= 0.0 || outcome == Some(LiveState::Operating) && after == before {
+                    break;
+                }
             }
-            (left, done) = (left - (after - before), done + (after - before));
-            // The time that is left is shorter than a step, or the machine is ahead.
-            if left <= 0.0 || outcome == Some(LiveState::Operating) && after == before {
-                break;
-            }
-            if must_stop() {
+            idle_phases = if after == before { idle_phases + 1 } else { 0 };
+            if must_stop() || idle_phases == MAX_IDLE_PHASES {
                 left = 0.0;
                 break;
             }
@@ -343,17 +379,19 @@ impl Bench {
     }
 
     /// Whether the machine has something to play while `left` problem seconds are left: a phase without a duration, or
-    /// one in which it operates. Modes without end get new phases.
+    /// one in which it operates. Modes without end get new phases. After an overload that holds the machine, the mode is
+    /// hold.
     fn has_phase_to_play(&mut self, left: f64) -> bool {
-        let position = self.with_live(|live| Ok((live.run.is_finished(), live.run.is_operating())));
-        let Some((is_finished, is_operating)) = position else { return false };
+        let position =
+            self.with_live(|live| Ok((live.run.is_finished(), live.run.is_operating(), live.run.is_held())));
+        let Some((is_finished, is_operating, is_held)) = position else { return false };
         if !is_finished {
             return left > 0.0 || !is_operating;
         }
         let phases = match self.controls.mode {
-            Mode::Operate => vec![Phase::operate(self.sweep())],
+            Mode::Operate if !is_held => vec![Phase::operate(self.sweep())],
             Mode::Repetitive => self.sweep_phases(),
-            Mode::Single => {
+            Mode::Operate | Mode::Single => {
                 self.controls.mode = Mode::Hold;
                 return false;
             }
@@ -417,21 +455,22 @@ fn pass_point(time: f64, volts: &[f64], watched: &[Option<String>], scopes: &mut
     }
 }
 
-/// Plays a run up to a time by the recorder's clock, within a step.
+/// Plays a run up to a time by the recorder's clock, within a step. A very long way ends before that time.
 ///
 /// # Errors
 /// If the run has to stop.
 fn play_up_to(live: &mut Live<'_>, clock: f64) -> Result<(), RunError> {
-    loop {
+    for _ in 0..MAX_REPEATED_PIECES {
         let before = live.run.clock();
         if before >= clock || live.run.is_finished() {
-            return Ok(());
+            break;
         }
-        let state = live.run.advance(clock, u64::MAX)?;
+        let state = live.run.advance(clock, STEPS_BETWEEN_QUESTIONS)?;
         if state == LiveState::Operating && live.run.clock() == before {
-            return Ok(());
+            break;
         }
     }
+    Ok(())
 }
 
 /// A machine in initial condition, or one that continues the run of another machine.

@@ -6,6 +6,8 @@ use patchcord_core::ir::Program;
 use patchcord_core::solve::{Checkpoint, LiveRun, RunError, RunSettings};
 use self_cell::self_cell;
 
+use crate::limits::MAX_CHECKPOINT_BYTES;
+
 /// Largest number of checkpoints of a run.
 const MAX_CHECKPOINTS: usize = 32;
 
@@ -66,8 +68,8 @@ impl Live<'_> {
         self.checkpoints.first().map(Checkpoint::clock)
     }
 
-    /// Keeps the present instant if enough time has passed since the last checkpoint, or if `is_needed`. With too many
-    /// checkpoints, every second one is dropped, and the next ones are twice as far apart.
+    /// Keeps the present instant if enough time has passed since the last checkpoint, or if `is_needed`. With too many or
+    /// too large checkpoints, every second one is dropped, and the next ones are twice as far apart.
     ///
     /// # Errors
     /// If the voltages cannot be evaluated.
@@ -76,27 +78,42 @@ impl Live<'_> {
         if since < self.interval && !is_needed {
             return Ok(());
         }
-        self.checkpoints.push(self.run.checkpoint()?);
-        if self.checkpoints.len() > MAX_CHECKPOINTS {
+        let checkpoint = self.run.checkpoint()?;
+        // A change at the same instant replaces the one before.
+        if since == 0.0 {
+            self.checkpoints.pop();
+        }
+        self.checkpoints.push(checkpoint);
+        while self.has_too_many_checkpoints() {
             let mut index = 0;
             self.checkpoints.retain(|_| {
                 index += 1;
                 index % 2 == 1
             });
-            self.interval *= 2.0;
+            // The changes of a user come at any rate. They do not decide how far the others are apart.
+            if !is_needed {
+                self.interval *= 2.0;
+            }
         }
         Ok(())
     }
 
+    /// Whether there are more checkpoints than permitted, or they need too much memory. One is always kept.
+    fn has_too_many_checkpoints(&self) -> bool {
+        let count = self.checkpoints.len();
+        let bytes = || self.checkpoints.iter().map(Checkpoint::bytes).sum::<usize>();
+        count > MAX_CHECKPOINTS || (count > 1 && bytes() > MAX_CHECKPOINT_BYTES)
+    }
+
     /// Returns to the last checkpoint that is not after a time by the recorder's clock, and drops later ones. Returns
     /// the time up to which the run can be repeated from there: the given one, or an earlier one at which a user changed
-    /// something. `None` if there is no checkpoint.
+    /// something. `None` if there is no checkpoint; then nothing changes.
     pub(super) fn return_before(&mut self, clock: f64) -> Option<f64> {
         let count = self.checkpoints.partition_point(|checkpoint| checkpoint.clock() <= clock);
-        self.checkpoints.truncate(count);
-        let checkpoint = self.checkpoints.last()?;
+        let checkpoint = self.checkpoints.get(count.checked_sub(1)?)?;
         let begin = checkpoint.clock();
         self.run.return_to(checkpoint);
+        self.checkpoints.truncate(count);
         let change = self.changes.iter().copied().find(|change| *change > begin).unwrap_or(f64::INFINITY);
         self.changes.retain(|change| *change <= begin);
         Some(clock.min(change))

@@ -2,20 +2,26 @@
 
 mod bench;
 mod live_machine;
+mod saved;
 
+use std::collections::HashSet;
+use std::mem::{Discriminant, discriminant};
 use std::path::PathBuf;
 
 use patchcord_core::document::Report;
+use patchcord_core::patch::{Patch, TableAccess};
 use patchcord_core::solve::{RunSettings, run};
 use patchcord_draw::schematic::Schematic;
 use serde_json::{Value, json};
 
 use self::bench::{Bench, Probes};
+use self::saved::Saved;
 use crate::command::{Command, Mode, PROTOCOL_VERSION, Request};
 use crate::compiled::{Compiled, advise, compile};
 use crate::document::{Change, Document, Refusal};
 use crate::event::{Event, MachineState, OverloadView, Response};
 use crate::frame::{self, FrameHeader};
+use crate::limits::{self, MAX_COMMANDS, MAX_REQUEST_BYTES, MAX_TABLE_BYTES};
 use crate::places;
 use crate::scope::{SCOPES, Scope, ScopeControls};
 use crate::view;
@@ -27,7 +33,8 @@ const POT_SET_VOLTS: f64 = 100.0;
 /// The settings of a session that a host chooses.
 #[derive(Debug, Clone, Default)]
 pub struct SessionOptions {
-    /// The folder to which the tables of patches are relative. Without it, no files are read.
+    /// The folder below which tables of patches are read, and to which their paths are relative. Without it, no files are
+    /// read.
     pub folder: Option<PathBuf>,
 }
 
@@ -103,7 +110,7 @@ struct Shown {
 impl Session {
     /// A session with an empty patch.
     pub fn new(options: SessionOptions) -> Self {
-        let document = Document::empty(None);
+        let document = Document::empty(None, &table_access(&options));
         let report = Report::new("", "", Vec::new());
         let mut session = Session {
             options,
@@ -135,22 +142,20 @@ impl Session {
     /// Carries out a request, which is a [`Request`] as JSON. `must_stop` is asked from time to time while the machine
     /// moves, and says whether the host has no more time.
     pub fn request(&mut self, text: &str, must_stop: &mut dyn FnMut() -> bool) -> Answer {
-        let request: Request = match serde_json::from_str(text) {
+        let request = match read_request(text) {
             Ok(request) => request,
-            Err(error) => {
-                let message = format!("the request cannot be read: {error}");
-                let events = vec![Event::Refused { message, place: None }];
-                return answer(None, events, None);
-            }
+            Err(message) => return answer(None, vec![Event::Refused { message, place: None }], None),
         };
         let (mut events, mut frame) = (Vec::new(), None);
         for command in &request.commands {
+            let known = events.len();
             match self.carry_out(command, must_stop, &mut events) {
                 Ok(()) => {}
                 Err(Refusal { message, place }) => {
                     events.push(Event::Refused { message, place: place.map(|place| *place) });
                 }
             }
+            drop_replaced(&mut events, known);
             if matches!(command, Command::Advance { .. }) {
                 frame = Some(self.frame());
             }
@@ -176,12 +181,12 @@ impl Session {
         match command {
             Command::Hello => events.extend(self.hello()),
             Command::Open { name, text } => {
-                self.open(Document::open(name, text, &self.folder())?, events);
+                self.open(Document::open(name, text, &table_access(&self.options))?, events);
             }
             Command::New { machine } => {
                 let machine =
                     machine.as_deref().or(self.document.patch().machine.as_ref().map(|name| &*name.value));
-                let document = Document::empty(machine);
+                let document = Document::empty(machine, &table_access(&self.options));
                 self.open(document, events);
             }
             Command::Text => {
@@ -192,13 +197,13 @@ impl Session {
             Command::Restore { snapshot } => self.restore(snapshot, events)?,
             Command::Mode { mode } => self.set_mode(*mode, true),
             Command::Speed { factor } => {
-                within("the speed factor", *factor, 1e-6, 1e6)?;
+                check_speed(*factor)?;
                 self.bench.controls.speed = *factor;
             }
             Command::Pause { paused } => self.bench.controls.paused = *paused,
             Command::Sweep { seconds } => self.set_sweep(*seconds)?,
             Command::Rate { hertz } => {
-                within("the rate", *hertz, 0.01, 50.0)?;
+                check_rate(*hertz)?;
                 self.bench.controls.rate = *hertz;
             }
             Command::Scrub { time } => {
@@ -213,11 +218,11 @@ impl Session {
             }
             Command::Undo => {
                 let change = self.document.undo()?;
-                self.follow(change, events)?;
+                self.follow(change, events);
             }
             Command::Redo => {
                 let change = self.document.redo()?;
-                self.follow(change, events)?;
+                self.follow(change, events);
             }
             Command::Scope { scope, controls } => {
                 self.scope(*scope)?.set_controls(controls.clone()).map_err(refusal)?;
@@ -257,24 +262,25 @@ impl Session {
                     view::static_check_event(&compiled.circuit, &compiled.program, *seed).map_err(refusal)?,
                 );
             }
-            edit => {
-                let before = self.value_to_restore(edit);
-                let change = self.document.apply(edit)?;
-                if let Err(refusal) = self.follow(change, events) {
-                    // The machine refuses the value, so the document must not have it either.
-                    before.map(|command| self.document.apply(&command)).transpose()?;
-                    return Err(refusal);
-                }
-            }
+            edit => self.edit(edit, events)?,
         }
         Ok(())
     }
 
-    /// The command that sets a parameter to its present value again, if the command sets one.
-    fn value_to_restore(&self, edit: &Command) -> Option<Command> {
-        let Command::Parameter { name, .. } = edit else { return None };
-        let value = self.document.patch().parameters.get(name)?.value;
-        Some(Command::Parameter { name: name.clone(), value })
+    /// Carries out a command that edits the patch.
+    ///
+    /// # Errors
+    /// If the command is refused by the document, or the value of a parameter by the machine. Nothing is changed then.
+    fn edit(&mut self, command: &Command, events: &mut Vec<Event>) -> Result<(), Refusal> {
+        let edited = self.document.edited(command)?;
+        if let Command::Parameter { name, value } = command
+            && !self.bench.is_blocked
+        {
+            self.bench.set_parameter(name, *value).map_err(refusal)?;
+        }
+        let change = self.document.commit(edited);
+        self.follow(change, events);
+        Ok(())
     }
 
     /// Compiles the patch again after parameters were turned, for the views. The machine has the values already.
@@ -302,13 +308,13 @@ impl Session {
     }
 
     /// Makes the machine do what a change of the document needs.
-    ///
-    /// # Errors
-    /// If the machine refuses a parameter.
-    fn follow(&mut self, change: Change, events: &mut Vec<Event>) -> Result<(), Refusal> {
+    fn follow(&mut self, change: Change, events: &mut Vec<Event>) {
         match change {
             Change::Parameter { name, value } => {
-                self.bench.set_parameter(&name, value).map_err(refusal)?;
+                // A machine that waits, or does not take the value, is made again with it.
+                if self.bench.is_blocked || self.bench.set_parameter(&name, value).is_err() {
+                    return self.follow(Change::Patch, events);
+                }
                 self.turning = Turning::Now;
                 events.push(Event::Parameter { name, value });
             }
@@ -322,7 +328,6 @@ impl Session {
                 events.push(self.patch_event());
             }
         }
-        Ok(())
     }
 
     /// Compiles the present patch for the machine. Without `resets` the machine continues with its states.
@@ -351,15 +356,9 @@ impl Session {
     /// Sets the length of a sweep.
     ///
     /// # Errors
-    /// If the length is not positive, or shorter than a step.
+    /// As for [`check_sweep`].
     fn set_sweep(&mut self, seconds: Option<f64>) -> Result<(), Refusal> {
-        within("the length of a sweep", seconds, f64::MIN_POSITIVE, 1e9)?;
-        let step = self.document.patch().run.step.as_ref().map(|step| step.value);
-        if let (Some(seconds), Some(step)) = (seconds, step)
-            && seconds < step
-        {
-            return Err(refusal(format!("a sweep of {seconds} s is shorter than the step of {step} s")));
-        }
+        check_sweep(seconds, self.document.patch())?;
         self.bench.controls.sweep = seconds;
         self.use_patch(false);
         self.bench.set_mode(self.bench.controls.mode, &mut self.scopes);
@@ -397,11 +396,6 @@ impl Session {
             Some(_) => Ok(()),
             None => Err(refusal(format!("there is no output {output}"))),
         }
-    }
-
-    /// The folder of the patch.
-    fn folder(&self) -> PathBuf {
-        self.options.folder.clone().unwrap_or_default()
     }
 
     /// The values of all parameters in their declared units.
@@ -460,15 +454,19 @@ impl Session {
     /// The event with the samples of a complete run.
     ///
     /// # Errors
-    /// If the patch cannot run.
+    /// If the patch cannot run, or if the run or its table are too large.
     fn run_event(&self) -> Result<Event, Refusal> {
         let compiled = compile(self.document.patch()).1;
         let compiled = compiled.ok_or_else(faulty)?;
         let settings = RunSettings::of(&compiled.circuit).map_err(|error| refusal(error.to_string()))?;
+        limits::check_run(&settings).map_err(refusal)?;
         let trace =
             run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
         let mut csv = Vec::new();
         trace.write_csv(&mut csv).map_err(|error| refusal(error.to_string()))?;
+        if csv.len() > MAX_TABLE_BYTES {
+            return Err(refusal(limits::table_too_large()));
+        }
         let overloads = trace.overloads().map(|overload| overload.element.clone()).collect();
         let csv = String::from_utf8(csv).map_err(|error| refusal(error.to_string()))?;
         Ok(Event::Table { csv, overloads })
@@ -492,27 +490,17 @@ impl Session {
     /// Replaces the session by one from a snapshot.
     ///
     /// # Errors
-    /// If the snapshot is not one of this version.
+    /// If the snapshot is not one of this version, or has a value that is not permitted. Nothing is changed then.
     fn restore(&mut self, snapshot: &Value, events: &mut Vec<Event>) -> Result<(), Refusal> {
-        let unreadable =
-            |error: serde_json::Error| refusal(format!("the saved session cannot be read: {error}"));
-        if snapshot["protocol"] != PROTOCOL_VERSION {
-            return Err(refusal("the saved session is of another version of the panel".to_owned()));
-        }
-        let read = |key: &str| snapshot.get(key).cloned().unwrap_or_default();
-        let scopes: Vec<ScopeControls> = serde_json::from_value(read("scopes")).map_err(unreadable)?;
-        let mode: Mode = serde_json::from_value(read("mode")).map_err(unreadable)?;
-        let document = Document::restore(&read("document"), &self.folder())?;
+        let Saved { document, mode, speed, sweep, rate, scopes, meter } =
+            Saved::read(snapshot, &table_access(&self.options))?;
         self.open(document, &mut Vec::new());
         let controls = &mut self.bench.controls;
-        (controls.speed, controls.sweep) = (read("speed").as_f64(), read("sweep").as_f64());
-        controls.rate = read("rate").as_f64();
-        for (scope, controls) in self.scopes.iter_mut().zip(scopes) {
-            scope.set_controls(controls).map_err(refusal)?;
-        }
+        (controls.speed, controls.sweep, controls.rate) = (speed, sweep, rate);
+        self.scopes = scopes;
         self.use_patch(true);
         self.bench.set_mode(mode, &mut self.scopes);
-        self.meter = read("meter").as_str().map(str::to_owned);
+        self.meter = meter.filter(|output| self.probes.element(output).is_some());
         events.extend(self.hello());
         Ok(())
     }
@@ -587,6 +575,40 @@ impl Session {
     }
 }
 
+/// The tables that the host permits.
+fn table_access(options: &SessionOptions) -> TableAccess {
+    options.folder.clone().map_or(TableAccess::None, TableAccess::Below)
+}
+
+/// Reads a request.
+///
+/// # Errors
+/// The message if it is not a request, or above the limits.
+fn read_request(text: &str) -> Result<Request, String> {
+    if text.len() > MAX_REQUEST_BYTES {
+        return Err(format!("the request has more than {} MB", MAX_REQUEST_BYTES / 1_000_000));
+    }
+    let request: Request =
+        serde_json::from_str(text).map_err(|error| format!("the request cannot be read: {error}"))?;
+    if request.commands.len() > MAX_COMMANDS {
+        return Err(format!("a request has at most {MAX_COMMANDS} commands, got {}", request.commands.len()));
+    }
+    Ok(request)
+}
+
+/// Removes those of the first `known` events that a later one of the same kind replaces, so that an answer has each
+/// large event once. Refusals and parameters do not replace each other.
+fn drop_replaced(events: &mut Vec<Event>, known: usize) {
+    let is_replaceable = |event: &&Event| !matches!(event, Event::Refused { .. } | Event::Parameter { .. });
+    let newer: HashSet<Discriminant<Event>> =
+        events[known..].iter().filter(is_replaceable).map(discriminant).collect();
+    let mut index = 0;
+    events.retain(|event| {
+        index += 1;
+        index > known || !newer.contains(&discriminant(event))
+    });
+}
+
 /// Whether a client has to know a new state of the machine. Time advances in frames.
 fn differs(known: &MachineState, state: &MachineState) -> bool {
     let MachineState { time, oldest, .. } = known;
@@ -609,6 +631,37 @@ fn faulty() -> Refusal {
 /// A refusal that is not about a place at the panel.
 fn refusal(message: String) -> Refusal {
     Refusal { message, place: None }
+}
+
+/// Checks the length of a sweep.
+///
+/// # Errors
+/// If it is out of range, or shorter than the step of the patch.
+fn check_sweep(seconds: Option<f64>, patch: &Patch) -> Result<(), Refusal> {
+    within("the length of a sweep", seconds, 1e-9, 1e9)?;
+    let step = patch.run.step.as_ref().map(|step| step.value);
+    match (seconds, step) {
+        (Some(seconds), Some(step)) if seconds < step => {
+            Err(refusal(format!("a sweep of {seconds} s is shorter than the step of {step} s")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks the speed factor.
+///
+/// # Errors
+/// If it is out of range.
+fn check_speed(factor: Option<f64>) -> Result<(), Refusal> {
+    within("the speed factor", factor, 1e-6, 1e6)
+}
+
+/// Checks the rate of repetitive operation.
+///
+/// # Errors
+/// If it is out of range.
+fn check_rate(hertz: Option<f64>) -> Result<(), Refusal> {
+    within("the rate", hertz, 0.01, 50.0)
 }
 
 /// Checks that a number is in a range, if there is one.

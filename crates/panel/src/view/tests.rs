@@ -1,4 +1,4 @@
-use std::path::Path;
+use patchcord_core::patch::TableAccess;
 
 use super::*;
 use crate::command::{Command, CordEnd};
@@ -7,7 +7,7 @@ use crate::event::{JackView, SettingView};
 /// A document with its circuit, if it has one.
 fn opened(name: &str) -> (Document, Circuit) {
     let text = std::fs::read_to_string(format!("../../patches/{name}")).unwrap();
-    let document = Document::open(name, &text, Path::new("../../patches/lessons")).unwrap();
+    let document = Document::open(name, &text, &TableAccess::Below("../../patches/lessons".into())).unwrap();
     let circuit = Circuit::new(document.patch()).unwrap();
     (document, circuit)
 }
@@ -134,7 +134,7 @@ fn an_unlimited_machine_shows_the_gains_in_use_and_the_usual_ones() {
     let text = r#"{"patchcord": 1, "elements": {
         "A1": {"kind": "integrator", "in": {"x2.5": ["A1", "A1"]}},
         "P1": {"kind": "pot", "in": {"x1": ["A1"]}, "setting": 0.5}}}"#;
-    let document = Document::open("p.json", text, Path::new("")).unwrap();
+    let document = Document::open("p.json", text, &TableAccess::None).unwrap();
     let view = patch_view(&document, None, None);
     let names = jack_names(element(&view, "A1"));
     assert_eq!(names, ["x1", "x2.5", "x10", "brake_x1", "brake_x10", "gap", "reset"]);
@@ -175,7 +175,7 @@ fn a_parameter_behind_a_scale_is_found() {
     let text = r#"{"patchcord": 1, "parameters": {"F": {"value": 10, "unit": "N"}, "q": {"value": 1, "unit": "1"}},
         "scales": {"half": {"per_volt": "force / 2", "unit": "N"}, "force": {"per_volt": "F / 5", "unit": "N"}},
         "elements": {"A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": "3 / half"}}}"#;
-    let document = Document::open("p.json", text, Path::new("")).unwrap();
+    let document = Document::open("p.json", text, &TableAccess::None).unwrap();
     let view = patch_view(&document, None, None);
     assert_eq!(setting(&view, "A1", "initial").parameters, ["F"]);
 }

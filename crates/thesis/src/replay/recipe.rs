@@ -281,16 +281,35 @@ impl Recipe {
         Ok(values.iter().copied().zip(self.run_rows(&[parameter], &rows, read)?).collect())
     }
 
-    /// Runs the circuit once, with a name and a title for its patch.
+    /// Runs the circuit once, with a name and a title for its patch. The record has samples only.
     ///
     /// # Errors
     /// If there is no such circuit, if the patch has a fault, or if the run stops early.
     pub(super) fn run(&self, name: &str, title: &str) -> Result<ReplayedRun, BoxError> {
         let circuit = self.circuit(name, title)?;
-        let program = Program::new(&circuit)?;
-        let trace = solve::run(&program, &RunSettings::of(&circuit)?).map_err(|stopped| stopped.error)?;
-        Ok(ReplayedRun::new(circuit, RunRecord::new(&program, trace)))
+        let settings = RunSettings::of(&circuit)?;
+        run_circuit(circuit, &settings)
     }
+
+    /// Runs the circuit once, with a name and a title for its patch. The record also has the curves of its pictures.
+    ///
+    /// # Errors
+    /// As for [`Recipe::run`].
+    pub(super) fn run_for_pictures(&self, name: &str, title: &str) -> Result<ReplayedRun, BoxError> {
+        let circuit = self.circuit(name, title)?;
+        let settings = RunSettings::of(&circuit)?.with_curves(circuit.drawn_curves());
+        run_circuit(circuit, &settings)
+    }
+}
+
+/// Runs a circuit with these settings.
+///
+/// # Errors
+/// If the circuit has no program, or if the run stops early.
+fn run_circuit(circuit: Circuit, settings: &RunSettings) -> Result<ReplayedRun, BoxError> {
+    let program = Program::new(&circuit)?;
+    let trace = solve::run(&program, settings).map_err(|stopped| stopped.error)?;
+    Ok(ReplayedRun::new(circuit, RunRecord::new(&program, trace)))
 }
 
 /// Returns the largest difference between the samples of one signal in two runs, in the unit of the signal.

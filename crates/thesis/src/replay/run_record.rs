@@ -98,6 +98,17 @@ impl RunRecord {
         Ok(along_values.iter().zip(&up_values).map(|(x, y)| (x / along.1, y / up.1)).collect())
     }
 
+    /// Returns the points of the curve of one signal against another, from every step of the run. Each signal is divided
+    /// by the number next to its name, which is the unit of its axis.
+    ///
+    /// # Errors
+    /// If the run did not follow the curve.
+    pub(super) fn curve(&self, along: (&str, f64), up: (&str, f64)) -> Result<Vec<(f64, f64)>, BoxError> {
+        let missing = || format!("the curve of {} against {} was not followed", up.0, along.0);
+        let curve = self.trace.curve(along.0, up.0).ok_or_else(missing)?;
+        Ok(curve.values(0).zip(curve.values(1)).map(|(x, y)| (x / along.1, y / up.1)).collect())
+    }
+
     /// Returns the critical velocities of the profile in m/s, by the usual criterion: swings above 0.25 mm/s within
     /// 0.04 s are oscillation.
     ///

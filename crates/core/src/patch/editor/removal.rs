@@ -153,7 +153,7 @@ impl PatchEditor {
             return Ok(());
         }
         let text = render(self.patch.text(), &self.batch)?;
-        self.patch = Patch::parse(self.patch.file(), &text)?;
+        self.patch = Patch::parse_with(self.patch.table_access.clone(), self.patch.file(), &text)?;
         self.batch.clear();
         (self.must_expand, self.must_reread) = (false, true);
         Ok(())

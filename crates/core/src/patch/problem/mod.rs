@@ -18,7 +18,7 @@ use std::path::Path;
 
 use indexmap::IndexMap;
 
-use super::{Patch, table_file};
+use super::{Patch, TableAccess, table_file};
 use crate::document::file::{DocumentError, MAX_DOCUMENT_BYTES, document_too_large, read_text};
 use crate::document::{Diagnostic, DocumentKind, Placed, Report, Span, tree};
 use patchcord_expr::{Equation, Formula, Unit};
@@ -145,10 +145,10 @@ impl Problem {
         let text = without_byte_order_mark(text);
         let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
         let root = tree::parse(text).map_err(|finding| fail(with_form(text, finding)))?;
-        let patch = Patch::empty(file, text);
+        let patch = Patch::empty(file, text, TableAccess::Anywhere(folder.as_ref().to_owned()));
         let mut problem = Problem { patch, quantities: IndexMap::new(), tables: IndexMap::new() };
         decode::document(&root, &mut problem).map_err(fail)?;
-        table_file::read_tables(&mut problem.patch, folder.as_ref());
+        table_file::read_tables(&mut problem.patch);
         Ok(problem)
     }
 

@@ -2,7 +2,7 @@
 //!
 //! On the fast path it reads the voltages of the kernel, otherwise those of the solver.
 
-use super::{Instant, Recorder, track_values};
+use super::{Instant, Recorder, Watch, track_values};
 use crate::grid::SAME_INSTANT;
 use crate::kernel::Steps;
 use crate::solve::fast_path::KernelRun;
@@ -60,14 +60,15 @@ impl StepObserver for Recorder<'_> {
     }
 
     fn next_sample(&self) -> f64 {
-        let watched = self.watch.as_ref().map_or(f64::INFINITY, |watch| watch.next_time(self.step));
-        self.next_time.min(watched) - self.hold_time
+        let next_point = |watch: &Watch| watch.next_point(self.step, self.hold_time);
+        let watched = self.watch.as_ref().map_or(f64::INFINITY, next_point);
+        watched.min(self.next_time - self.hold_time)
     }
 
     /// Writes the samples within the kernel's last step, and adds its watched points.
     fn kernel_reached_jump(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
         if let Some(watch) = &mut self.watch {
-            watch.add_kernel_step((time, self.hold_time), tables, run, self.signals.len());
+            watch.add_kernel_step((time, self.hold_time), self.step, tables, run, self.signals.len());
         }
         while let Some(sample) = self.next_before(self.clock(time) * (1.0 - SAME_INSTANT)) {
             run.interpolate(tables, sample - self.hold_time);
@@ -85,6 +86,14 @@ impl StepObserver for Recorder<'_> {
         self.sample_kernel(time, run);
     }
 
+    /// Adds a corner to the curves.
+    fn kernel_at_corner(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
+        if let Some(watch) = self.watch.as_mut().filter(|watch| watch.needs_events()) {
+            run.evaluate_present(tables);
+            watch.add_event(time + self.hold_time, run, self.signals.len());
+        }
+    }
+
     /// Writes the samples at the ends of the kernel's steps.
     fn kernel_stepped_recording(&mut self, time: f64, run: &KernelRun, steps: Steps) {
         if let Some(watch) = &mut self.watch {
@@ -100,9 +109,14 @@ impl StepObserver for Recorder<'_> {
         self.report_progress(time);
     }
 
+    /// The steps end with the next point of curves, from whose voltages the distance to the point after it follows.
     fn steps_before_inner_sample(&self, steps: Steps) -> u64 {
-        if self.watch.as_ref().is_some_and(|watch| watch.looks_within(self.step)) {
-            return 0;
+        let mut steps = steps;
+        if let Some(watch) = &self.watch {
+            if watch.looks_within(self.step) {
+                return 0;
+            }
+            steps.count = watch.steps_to_point(steps, self.hold_time);
         }
         let (mut index, mut time) = (self.next_index, self.next_time);
         for step in self.steps_with_samples(steps) {
@@ -118,8 +132,12 @@ impl StepObserver for Recorder<'_> {
         steps.count
     }
 
-    /// Updates the extremes by those of the kernel run, and by its last voltages.
+    /// Updates the extremes by those of the kernel run, and by its last voltages. Curves get the last voltages, too,
+    /// because the kernel is left for an event.
     fn left_fast_path(&mut self, run: &KernelRun) {
+        if let Some(watch) = self.watch.as_mut().filter(|watch| watch.needs_events()) {
+            watch.add_event(run.time() + self.hold_time, run, self.signals.len());
+        }
         let repetition = self.trace.repetitions.len() - 1;
         for (track, (extremes, last)) in self.trace.tracks.iter_mut().zip(run.extremes().zip(run.voltages()))
         {

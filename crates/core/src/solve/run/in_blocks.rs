@@ -163,10 +163,16 @@ pub(super) fn next_step(settings: &RunSettings, warning: &StepWarning) -> f64 {
     warning.recommended.min(0.5 * settings.step)
 }
 
-/// Settings of a run whose samples, derivatives and peaks of amplifiers are not kept.
+/// Settings of a run whose samples, curves, derivatives and peaks of amplifiers are not kept.
 fn without_results(settings: &RunSettings) -> RunSettings {
     let block_samples = Some(BLOCK_SAMPLES);
-    RunSettings { sensitivities: Vec::new(), block_samples, finds_amplifier_peaks: false, ..settings.clone() }
+    RunSettings {
+        curves: Vec::new(),
+        sensitivities: Vec::new(),
+        block_samples,
+        finds_amplifier_peaks: false,
+        ..settings.clone()
+    }
 }
 
 /// The samples, extremes and overloads of another run up to a time in seconds, or up to an error if there is one.

@@ -112,6 +112,22 @@ fn a_warning_is_written_and_wrong_points_are_pale() {
 }
 
 #[test]
+fn only_traces_drawn_over_themselves_many_times_are_translucent() {
+    let circles = |times: u32| {
+        let angle = |n: u32| f64::from(n) * 0.1;
+        let points = (0..63 * times).map(|n| (5.0 + 4.0 * angle(n).cos(), 4.0 * angle(n).sin()));
+        let dense = picture(vec![channel("circle", points.collect())]);
+        (svg(&[dense.clone()]), dense)
+    };
+    let is_translucent = |text: &str| text.contains("opacity=\"0");
+    assert!(!is_translucent(&svg(&[wave()])) && !is_translucent(&circles(2).0));
+    let (text, dense) = circles(12);
+    assert!(is_translucent(&text));
+    assert!(text.matches("opacity=\"0").count() >= 8);
+    assert!(!render(&[dense], Format::Png, Size::default()).unwrap().is_empty());
+}
+
+#[test]
 fn same_pictures_give_same_bytes() {
     for format in [Format::Svg, Format::Png] {
         let size = Size { width: 300, height: 240 };

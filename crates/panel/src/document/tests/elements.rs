@@ -41,7 +41,7 @@ fn a_chosen_name_must_be_free_and_valid() {
 
 #[test]
 fn of_every_new_element_only_the_cords_are_missing() {
-    let mut document = Document::empty(None);
+    let mut document = Document::empty(None, &TableAccess::None);
     for kind in REGISTRY {
         document
             .apply(&add(kind.name))
@@ -59,7 +59,7 @@ fn of_every_new_element_only_the_cords_are_missing() {
 
 #[test]
 fn an_oscillator_is_built_from_an_empty_patch() {
-    let mut document = Document::empty(Some("solartron-1451"));
+    let mut document = Document::empty(Some("solartron-1451"), &TableAccess::None);
     assert_eq!(document.patch().title, "Untitled");
     assert_eq!(document.patch().run.longest_repetition(), Some(10.0));
     let commands = [
@@ -85,5 +85,8 @@ fn an_oscillator_is_built_from_an_empty_patch() {
     for _ in &commands {
         document.undo().unwrap();
     }
-    assert_eq!(document.patch().text(), Document::empty(Some("solartron-1451")).patch().text());
+    assert_eq!(
+        document.patch().text(),
+        Document::empty(Some("solartron-1451"), &TableAccess::None).patch().text()
+    );
 }

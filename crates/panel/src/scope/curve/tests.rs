@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use super::super::TOLERANCE;
+use super::super::{CHANNELS, TOLERANCE};
 use super::*;
 
 /// The sample of a circle with a radius of 50 V and a period of 1 s.
@@ -9,13 +9,13 @@ fn on_circle(time: f64) -> Sample {
 }
 
 /// The points of a curve, with its provisional end.
-fn points(curve: &Curve) -> Vec<Point> {
+fn points(curve: &Curve) -> Vec<CurvePoint> {
     curve.current.points.iter().copied().chain(curve.chord.and_then(|chord| chord.open_end())).collect()
 }
 
 /// The largest distance between samples and the place of the curve at their times. Samples before the first point are
 /// not compared.
-fn largest_distance(points: &[Point], samples: &[Sample]) -> f64 {
+fn largest_distance(points: &[CurvePoint], samples: &[Sample]) -> f64 {
     let mut largest: f64 = 0.0;
     let mut after = 1;
     for sample in samples.iter().filter(|sample| sample.time >= points[0].time) {

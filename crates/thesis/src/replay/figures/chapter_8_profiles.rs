@@ -147,7 +147,7 @@ fn frequency(figure: &Figure) -> Result<DrawnFigure, BoxError> {
 
 /// Makes the picture of a profile up and down. Each direction is a channel.
 fn both_directions(run: &ReplayedRun, title: &str) -> Result<Picture, BoxError> {
-    let points = run.record.points(("v_i", MM_PER_S), ("v_o", MM_PER_S))?;
+    let points = run.record.curve(("v_i", MM_PER_S), ("v_o", MM_PER_S))?;
     let turn = points.iter().enumerate().max_by(|one, other| one.1.0.total_cmp(&other.1.0));
     let (up, down) = points.split_at(turn.map_or(0, |(index, _)| index));
     let graph = Graph::new(title, ("v_i", "mm/s"), ("v_o", "mm/s"));

@@ -92,7 +92,7 @@ fn characteristic(figure: &Figure) -> Result<DrawnFigure, BoxError> {
         for (_, (velocity, force)) in settled {
             max_error = max_error.max((force - friction.total(*velocity, SIMULATED_DAMPING)?).abs());
         }
-        let points = points.into_iter().map(|(velocity, force)| (velocity / MM_PER_S, force)).collect();
+        let points = run.record.curve(("v_o", MM_PER_S), ("spring_force", 1.0))?;
         graph = graph.line(format!("VcL = {}", format_quantity(limit, "m/s")), points);
         runs.push(run);
     }

@@ -229,7 +229,7 @@ impl Figure {
 
     /// Runs a recipe under the name of the figure, with the suffix `which` if the figure has several patches.
     fn run(&self, recipe: &Recipe, which: &str) -> Result<ReplayedRun, BoxError> {
-        recipe.run(&self.file(which), &self.heading())
+        recipe.run_for_pictures(&self.file(which), &self.heading())
     }
 
     /// Returns the name of a patch: the identifier of the figure, with a suffix if `which` is not empty.

@@ -1,0 +1,92 @@
+/** The patch in a link: compressed in the part of the address that browsers do not send to servers. */
+
+import { openDialog } from './dialogs.js';
+import { button, el, label } from './dom.js';
+import { send, state } from './state.js';
+
+/** The largest text of a patch in a link, in bytes. */
+const LARGEST_IN_LINK = 1e6;
+/** Some programs cut longer links. */
+const LONG_LINK = 8000;
+
+/** The text of a stream, which is not read further than the limit. Rejects with a message if it is larger or no text. */
+export async function textOf(stream, limit, name) {
+  const parts = [];
+  let size = 0;
+  const reader = stream.getReader();
+  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    parts.push(part.value);
+    size += part.value.length;
+    if (size > limit) {
+      reader.cancel();
+      throw new Error(`${name} is larger than ${limit / 1e6} MB.`);
+    }
+  }
+  try {
+    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());
+  } catch {
+    throw new Error(`${name} is not UTF-8 text.`);
+  }
+}
+
+const through = (data, stream) => new Blob([data]).stream().pipeThrough(stream);
+
+/** Compresses a text. */
+export async function deflate(text) {
+  return new Uint8Array(await new Response(through(text, new CompressionStream('deflate-raw'))).arrayBuffer());
+}
+
+/** The text of compressed bytes. Rejects if they are wrong or the text is larger than the limit. */
+export const inflate = (bytes, limit) => textOf(through(bytes, new DecompressionStream('deflate-raw')), limit, 'The patch in the link');
+
+/** The name of a file without folders. */
+export const baseName = (path) => path.split(/[\\/]/).at(-1);
+
+/**
+ * Takes the patch out of the address: a reload then continues the session instead of beginning again.
+ * @returns {Promise<{name: string, text: string} | null>} null if there is none; rejects with a message
+ */
+export async function takeLink() {
+  const fragment = new URLSearchParams(location.hash.slice(1));
+  const coded = fragment.get('p');
+  if (coded === null) return null;
+  history.replaceState(null, '', location.pathname + location.search);
+  try {
+    const bytes = Uint8Array.from(atob(coded.replaceAll('-', '+').replaceAll('_', '/')), (char) => char.charCodeAt(0));
+    return { name: baseName(fragment.get('name') ?? '').slice(-80) || 'shared.json', text: await inflate(bytes, LARGEST_IN_LINK) };
+  } catch (fault) {
+    throw fault.name === 'Error' ? fault : new Error('The patch in the link cannot be read. Copy the complete link.');
+  }
+}
+
+/** Copies a link. Pages without encryption have no clipboard, but they can copy what is selected. */
+async function copy(field) {
+  try {
+    await navigator.clipboard.writeText(field.value);
+    return true;
+  } catch {
+    field.select();
+    return document.execCommand('copy');
+  }
+}
+
+/** Copies the link of the present patch, and shows it. The address has no token, because only its path is used. */
+export async function share() {
+  const patch = (await send({ command: 'text' })).find(({ event }) => event === 'text');
+  if (!patch) return;
+  const data = btoa(Array.from(await deflate(patch.text), (byte) => String.fromCharCode(byte)).join(''));
+  const coded = data.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
+  const url = `${location.origin}${location.pathname}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
+  const field = el('input', { type: 'text', readonly: true, value: url });
+  const status = el('p', { role: 'status' });
+  const again = async () => { status.textContent = await copy(field) ? 'The link is copied.' : 'Select the link and copy it.'; };
+  const dialog = openDialog('Share this patch', [
+    el('p', null, 'The link contains the complete patch.', state.host?.kind === 'server' && ' It opens in the panel of this computer. Others need patchcord panel at the same address, or the file.'),
+    label('Link', field),
+    url.length > LONG_LINK && el('p', { class: 'warning' }, `Some programs cut a link of ${url.length} characters. Send the file instead.`),
+    status,
+    el('div', { class: 'dialog-buttons' }, button('Close', () => dialog.close()),
+      navigator.share && button('Share…', () => navigator.share({ url }).catch(() => {})),
+      button('Copy the link', again, { class: 'primary', autofocus: true }))]);
+  again();
+}
