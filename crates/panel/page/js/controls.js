@@ -116,13 +116,14 @@ function mountOverload() {
 /** A number that the patch or the machine gives by default: an empty field goes back to it. */
 function numberField(id, command) {
   const input = byId(id);
-  input.onchange = async () => {
+  // A text that is no number stays, so that it can be corrected.
+  input.onchange = () => {
     const value = parse(input.value);
     input.ariaInvalid = input.value.trim() !== '' && value === null;
-    await send(command(value));
+    if (input.ariaInvalid === 'false') send(command(value));
   };
   input.onkeydown = ({ key }) => { if (key === 'Enter' || key === 'Escape') input.blur(); };
-  return (value) => { if (document.activeElement !== input) input.value = format(value, 6); };
+  return (value) => { if (document.activeElement !== input && input.ariaInvalid !== 'true') input.value = format(value, 6); };
 }
 
 function mountTiming() {

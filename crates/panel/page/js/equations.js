@@ -1,6 +1,6 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { byId, el, quantity } from './dom.js';
+import { byId, el, fill, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { emit, highlight, on, send, state } from './state.js';
@@ -33,8 +33,6 @@ function nameNode(name) {
   const node = el('button', {
     type: 'button', class: `eq-name eq-${at.output ? 'output' : 'parameter'}`, 'data-key': key, 'aria-label': at.output ? `${name}, place a probe` : `${name}, show its knob`,
     onclick: (event) => (at.output ? choose(at.output, node, event) : highlight(at)),
-    onpointerenter: () => emit('pointed', at), onpointerleave: () => emit('pointed', {}),
-    onfocus: () => emit('pointed', at), onblur: () => emit('pointed', {}),
   }, printed(name).flat());
   return node;
 }
@@ -169,6 +167,13 @@ export function mountEquations(root) {
     drawn = text;
   };
   for (const name of ['equations', 'findings', 'patch']) on(name, refresh);
+  const point = ({ target }) => {
+    const name = target.closest('.eq-name');
+    const kind = name?.matches('.eq-output') ? 'output' : 'parameter';
+    emit('pointed', name ? { [kind]: name.dataset.key } : {});
+  };
+  const leave = () => emit('pointed', {});
+  fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
   on('pointed', ({ output, parameter }) => {
     const key = output ?? parameter;
     for (const node of body.querySelectorAll('[data-key]')) node.classList.toggle('lit', node.dataset.key === key);

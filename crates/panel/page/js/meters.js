@@ -1,8 +1,9 @@
 /** The voltmeter and the null meter: moving-coil instruments, each with a reading in digits. */
 
 import { dial } from './dial.js';
-import { byId, el, fill, format, quantity, template, within, write } from './dom.js';
+import { byId, fill, format, quantity, template, within, write } from './dom.js';
 import { potCard } from './knobs.js';
+import { fillOutputs } from './probes.js';
 import { emit, on, selectProbe, send, state } from './state.js';
 
 /** The angle from the middle to an end of a scale, in degrees. */
@@ -49,13 +50,13 @@ function meterOf(command, title, connect) {
      * Shows the outputs of the patch, and connects another one if the present one is missing. A session that has opened
      * a patch has forgotten the connection.
      */
-    update({ outputs: present, undo }, otherwise) {
+    update(patch, otherwise) {
+      const { outputs: present, undo } = patch;
       const form = JSON.stringify(present.map(({ name, signal }) => [name, signal]));
       if (form === drawn && undo !== null) return;
       drawn = form;
       const before = list.value;
-      list.replaceChildren(el('option', { value: '' }, 'not connected'), ...present.map(({ name, signal }) =>
-        el('option', { value: name }, signal && signal !== name ? `${name} ${signal}` : name)));
+      fillOutputs(list, patch, 'not connected');
       choose(present.some(({ name }) => name === before) ? before : otherwise);
     },
     show(value, words) {

@@ -1,6 +1,6 @@
 /** Probes: where they are, and the menu that places them. */
 
-import { button, el, float } from './dom.js';
+import { button, el, float, quantity } from './dom.js';
 import { emit, isProbing, on, probed, send, state } from './state.js';
 
 /** Where the meters are. The event `meter` connects one: meters.js sends the command. */
@@ -25,10 +25,28 @@ export function probes() {
   return [...channels, meter('meter', 'Voltmeter', 'V'), meter('null-meter', 'Null meter', 'N')];
 }
 
-/** Name and quantity of an output: "A1, v_o". */
-export function outputName(output) {
-  const { signal } = state.patch?.outputs.find(({ name }) => name === output) ?? {};
-  return signal && signal !== output ? `${output}, ${signal}` : output;
+/** Name of an output with the quantity that it stands for: "v_o at A1". */
+export const nameOf = ({ name, signal }) => (signal && signal !== name ? `${signal} at ${name}` : name);
+
+/** The same for the name of an output. */
+export const outputName = (output) => nameOf(state.patch?.outputs.find(({ name }) => name === output) ?? { name: output });
+
+/** Volts, and what they stand for: "20 V/div = 4 m/div". `per` is "/div" or empty. */
+export function reading(volts, { signal, unit, per_volt: perVolt }, per = '', digits = 4) {
+  const value = per ? Math.abs(volts * perVolt) : volts * perVolt;
+  return `${quantity(volts, 'V', digits)}${per}${signal && Number.isFinite(volts) ? ` = ${quantity(value, unit, digits)}${per}` : ''}`;
+}
+
+/** Fills a list of outputs: signals with their unit, then elements, drives and references. */
+export function fillOutputs(list, { elements, outputs }, none) {
+  const groups = ['Signals', 'Elements', 'Drives', 'References'].map((label) => el('optgroup', { label }));
+  for (const output of outputs) {
+    const element = elements.find((each) => each.name === output.name || each.outputs.includes(output.name));
+    const family = element?.family === 'drive' ? 2 : output.signal ? 0 : element ? 1 : 3;
+    const unit = output.signal && output.unit !== '1' ? ` (${output.unit})` : '';
+    groups[family].append(el('option', { value: output.name }, nameOf(output) + unit));
+  }
+  list.replaceChildren(el('option', { value: '' }, none), ...groups.filter((group) => group.childElementCount > 0));
 }
 
 /** The user has chosen an output: it gets the probe that waits, or a menu opens at the place. @param {Element} at */

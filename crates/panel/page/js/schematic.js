@@ -1,8 +1,8 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { fill, quantity, svg, within, write } from './dom.js';
+import { fill, svg, within, write } from './dom.js';
 import { placeName } from './messages.js';
-import { choose, outputName, probes } from './probes.js';
+import { choose, outputName, probes, reading } from './probes.js';
 import { emit, highlight, on, state } from './state.js';
 
 /** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
@@ -80,24 +80,28 @@ export function mountSchematic(root) {
   // Pan and zoom.
 
   let view = { x: 0, y: 0, k: 1 };
-  let [isFitted, isNew] = [true, true];
-  const place = (x, y, k, keeps = false) => {
+  /** Whether the user has not moved the drawing, and the least scale with which it is shown then. */
+  let [isFitted, least] = [true, READABLE];
+  const place = (x, y, k, isWhole = false) => {
     view = { x, y, k };
-    isFitted = keeps;
+    isFitted = false;
     fill(world, { transform: `translate(${x} ${y}) scale(${k})` });
-    picture.toggleAttribute('data-free', !keeps);
+    picture.toggleAttribute('data-free', !isWhole);
   };
   const zoom = (by, x = picture.clientWidth / 2, y = picture.clientHeight / 2) => {
     const k = within(ZOOM[0], view.k * by, ZOOM[1]);
     place(x - (x - view.x) * k / view.k, y - (y - view.y) * k / view.k, k);
   };
-  /** Shows the whole drawing; with a least scale, its upper left part. */
-  const fit = (least = 0) => {
+  /** Shows the whole drawing, or as much of it as the least scale permits. */
+  const fit = (to = least) => {
+    least = to;
+    isFitted = true;
     const { clientWidth: width, clientHeight: height } = picture;
     if (!drawing || !width) return;
     const whole = Math.min(width / drawing.width, (height - TOOLS) / drawing.height, 1.6);
     const k = Math.max(whole, least);
     place(Math.max((width - drawing.width * k) / 2, 0), Math.max((height - TOOLS - drawing.height * k) / 2, 0), k, k === whole);
+    isFitted = true;
   };
   /** Pans as far as is necessary to show a point of the drawing. */
   const reveal = ([x, y]) => {
@@ -105,13 +109,8 @@ export function mountSchematic(root) {
     const [u, v] = [by(view.x, x, picture.clientWidth), by(view.y, y, picture.clientHeight)];
     if (u !== view.x || v !== view.y) place(u, v, view.k);
   };
-  const begin = () => {
-    if (!picture.clientWidth || !drawing) return;
-    if (isNew || isFitted) fit(isNew ? READABLE : 0);
-    isNew = false;
-  };
-  new ResizeObserver(begin).observe(picture);
-  root.querySelectorAll('button').forEach((each, at) => { each.onclick = () => [() => zoom(1.3), () => zoom(1 / 1.3), () => fit()][at](); });
+  new ResizeObserver(() => { if (isFitted) fit(); }).observe(picture);
+  root.querySelectorAll('button').forEach((each, at) => { each.onclick = () => [() => zoom(1.3), () => zoom(1 / 1.3), () => fit(0)][at](); });
 
   const pointers = new Map();
   let travel = 0;
@@ -130,9 +129,7 @@ export function mountSchematic(root) {
   const valueText = (name) => {
     const { index } = cells.get(name) ?? {};
     const volts = state.frame?.volts[index];
-    if (volts === undefined) return '';
-    const { signal, unit, per_volt: perVolt } = state.patch.outputs[index];
-    return `${signal ? `${quantity(volts * perVolt, unit)}, ` : ''}${voltsText(volts)} V`;
+    return volts === undefined ? '' : reading(volts, state.patch.outputs[index]);
   };
   const showInfo = () => {
     const cell = cells.get(lit);
@@ -269,7 +266,7 @@ export function mountSchematic(root) {
       const node = event.target.closest('.output');
       const names = [...cells.keys()];
       const act = {
-        '+': () => zoom(1.3), '-': () => zoom(1 / 1.3), 0: () => fit(), Home: () => go(names[0]), End: () => go(names.at(-1)),
+        '+': () => zoom(1.3), '-': () => zoom(1 / 1.3), 0: () => fit(0), Home: () => go(names[0]), End: () => go(names.at(-1)),
         ...node && { Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
       }[event.key] ?? (ARROWS[event.key] && (() => go(node ? nearest(ARROWS[event.key]) : focused)));
       if (!act || !cells.has(focused)) return;
@@ -358,9 +355,9 @@ export function mountSchematic(root) {
     message.hidden = !text;
     message.textContent = text ?? '';
     if (!next) return;
-    isNew ||= !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
+    const isOther = !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
     drawing = next;
-    begin();
+    if (isOther) fit(READABLE);
     draw();
   });
   on('patch', index);

@@ -1,7 +1,7 @@
 /** The controls around the screen of a scope. Each has the path of what it sets: "trigger.level". */
 
 import { el, quantity, within, write } from './dom.js';
-import { nameOf } from './scope-grid.js';
+import { fillOutputs } from './probes.js';
 
 const [LEAST_VOLTS, MOST_VOLTS] = [0.01, 50];
 /** The steps of a decade: at 25 volts per division, the machine unit is at the edge of the screen. */
@@ -56,18 +56,6 @@ function select(list, value, text) {
   if (list.selectedIndex < 0) list.prepend(el('option', { value, 'data-own': true, selected: true }, text));
 }
 
-/** Fills a list of probes: signals with their unit, then elements, drives and references. */
-function fillProbes(list, { elements, outputs }) {
-  const groups = ['Signals', 'Elements', 'Drives', 'References'].map((label) => el('optgroup', { label }));
-  for (const output of outputs) {
-    const element = elements.find((each) => each.name === output.name || each.outputs.includes(output.name));
-    const family = element?.family === 'drive' ? 2 : output.signal ? 0 : element ? 1 : 3;
-    const unit = output.signal && output.unit !== '1' ? ` (${output.unit})` : '';
-    groups[family].append(option(output.name, nameOf(output) + unit));
-  }
-  list.replaceChildren(option('', 'no probe'), ...groups.filter((group) => group.childElementCount > 0));
-}
-
 /** Fills a list of volts per division: round volts, and round units if the voltage stands for a quantity. */
 function fillVolts(list, output) {
   const group = (unit, perVolt) => el('optgroup', { label: `${unit} per division` },
@@ -120,7 +108,7 @@ export function mountControls({ controls: root, base, trigger, summary, erase },
     for (const control of lists) {
       const [owner, key] = placeOf(controls, control);
       const channel = controls.channels.indexOf(owner);
-      if (key === 'output' && patch) fillProbes(control, patch);
+      if (key === 'output' && patch) fillOutputs(control, patch, 'no probe');
       const scale = JSON.stringify(model.outputs[channel]);
       if (key === 'volts_per_division' && scale !== scales[channel]) {
         fillVolts(control, model.outputs[channel]);

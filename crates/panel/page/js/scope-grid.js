@@ -1,20 +1,12 @@
 /** The graticule of a scope with its overload zones and readings, and the scales of the axes. */
 
 import { quantity } from './dom.js';
+import { nameOf, reading } from './probes.js';
 
 /** Divisions of the screen. */
 export const [ACROSS, UP] = [10, 8];
 /** Volts at which amplifiers overload. */
 export const FULL_SCALE = 100 * (1 - 1e-6);
-
-/** Name of an output with the quantity that it stands for. */
-export const nameOf = ({ name, signal }) => (signal && signal !== name ? `${signal} at ${name}` : name);
-
-/** Volts, and what they stand for. `per` is "/div" or empty. */
-export function reading(volts, { signal, unit, per_volt: perVolt }, per = '', digits = 4) {
-  const value = per ? Math.abs(volts * perVolt) : volts * perVolt;
-  return `${quantity(volts, 'V', digits)}${per}${signal && Number.isFinite(volts) ? ` = ${quantity(value, unit, digits)}${per}` : ''}`;
-}
 
 /**
  * Place of the graticule in device pixels. Divisions of an X-Y screen are square, so that a circle is a circle. Those of

@@ -1,9 +1,10 @@
 /** A storage oscilloscope of the page: screen, controls, cursors, trigger level. */
 
 import { fill, quantity, template, within, write } from './dom.js';
+import { nameOf, reading } from './probes.js';
 import { mountControls, setPosition, setVolts, stepBase, stepVolts } from './scope-controls.js';
 import { save } from './scope-export.js';
-import { ACROSS, nameOf, reading, scales, UP } from './scope-grid.js';
+import { ACROSS, scales, UP } from './scope-grid.js';
 import { mountMark, placeMark } from './scope-marks.js';
 import { Screen } from './scope-screen.js';
 import { Trace } from './scope-trace.js';
