@@ -101,7 +101,7 @@ const pace = (page) => page.evaluate(async () => {
 });
 
 /** How many cords are on the patch panel. */
-const cords = (page) => page.locator('#board .cords > g').count();
+const cords = (page) => page.locator('#board .cords > .cord').count();
 
 /** Seconds that scripts, and styles with layout, have taken since the page was opened. */
 async function work(client) {
@@ -122,13 +122,14 @@ async function measure(browser, form, address, size) {
   const before = await work(client);
   const { frames, intervals: between } = await intervals(page, PICTURES);
   const after = await work(client);
+  const count = await cords(page);
   const each = (name) => text(1000 * (after[name] - before[name]) / PICTURES);
   const late = await turns(page, TURNS);
   await page.getByRole('button', { name: 'Maximum speed' }).click();
   await page.waitForTimeout(WARM_UP);
   const factor = quantile(await pace(page), 0.5);
   await context.close();
-  const cells = [form, size.join(' × '), text(1000 * between.length / between.reduce((sum, time) => sum + time, 0)),
+  const cells = [form, size.join(' × '), count, text(1000 * between.length / between.reduce((sum, time) => sum + time, 0)),
     text(quantile(between, 0.5)), text(quantile(between, 0.99)), text(frames / PICTURES, 2), each('scripts'), each('layout'), each('all'),
     `${text(quantile(late, 0.5), 0)}, ${text(Math.max(...late), 0)}`, text(factor, 0)];
   return `| ${cells.join(' | ')} |`;
@@ -168,6 +169,6 @@ try {
   await browser.close();
 }
 const table = (heads, lines) => console.log([`| ${heads.join(' | ')} |`, `|${'---|'.repeat(heads.length)}`, ...lines, ''].join('\n'));
-table(['form', 'window', 'pictures per second', 'interval, median', '99 %', 'frames per picture', 'scripts', 'style and layout', 'all work',
+table(['form', 'window', 'cords', 'pictures per second', 'interval, median', '99 %', 'frames per picture', 'scripts', 'style and layout', 'all work',
   'knob, median and longest', 'times real time'], rows);
 table(['form', 'first trace, median', 'longest'], loads);
