@@ -51,11 +51,15 @@ fn a_table_up_to_an_error_does_not_depend_on_pictures() {
     }
 }
 
+/// Positions in a picture.
+#[cfg(target_os = "linux")]
+type Points = Vec<(f64, f64)>;
+
 /// The curves in a file of pictures: the positions of the points of each. A dense curve consists of strokes with the same
 /// attributes.
 #[cfg(target_os = "linux")]
-fn curves(svg: &str) -> Vec<Vec<(f64, f64)>> {
-    let mut curves: Vec<((usize, &str), Vec<(f64, f64)>)> = Vec::new();
+fn curves(svg: &str) -> Vec<Points> {
+    let mut curves: Vec<((usize, &str), Points)> = Vec::new();
     let point = |text: &str| {
         let (x, y) = text.split_once(',').unwrap();
         (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap())
