@@ -87,8 +87,8 @@ const MODULES: [(&str, &[&str]); 10] = [
     (
         "panel",
         &[
-            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches", "places",
-            "document", "view", "session",
+            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches",
+            "places", "document", "view", "session",
         ],
     ),
     (
@@ -112,7 +112,7 @@ const MODULES: [(&str, &[&str]); 10] = [
         &["statistics", "data", "effects", "fit", "residuals", "localise", "design", "search", "report"],
     ),
     ("thesis", &["slideway", "chain", "replay"]),
-    ("web", &[]),
+    ("web", &["bin"]),
 ];
 
 /// The top-level module and the code of every source file of a crate.

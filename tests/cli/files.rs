@@ -341,7 +341,10 @@ fn overloads_are_marked_in_pictures() {
     let warning = "C1 over 100 V from 1 s: curves are wrong where they are pale";
     assert!(against_time.contains(warning) && against_x.contains(warning), "{against_time}");
     assert!(against_time.contains(">\nC1 over 100 V from 1 s\n<"), "the marker has a label");
-    // The pale part and the correct part of the curve.
-    let curves = |text: &str| text.matches("<polyline").count();
-    assert_eq!([curves(&clean), curves(&against_time), curves(&against_x)], [1, 2, 2]);
+    // The pale part and the correct part of the curve. The beam returns often, so the pale part has several strokes.
+    let parts = |text: &str| {
+        let strokes = text.split("<polyline").skip(1).map(|stroke| stroke.split("points=").next().unwrap());
+        strokes.collect::<std::collections::BTreeSet<_>>().len()
+    };
+    assert_eq!([parts(&clean), parts(&against_time), parts(&against_x)], [1, 2, 2]);
 }

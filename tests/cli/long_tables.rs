@@ -51,16 +51,30 @@ fn a_table_up_to_an_error_does_not_depend_on_pictures() {
     }
 }
 
-/// The lines of the curves in a picture: the positions of their points.
+/// Positions in a picture.
 #[cfg(target_os = "linux")]
-fn curves(svg: &str) -> Vec<Vec<(f64, f64)>> {
-    let lines = svg.split("points=\"").skip(1).filter_map(|rest| rest.split('"').next());
+type Points = Vec<(f64, f64)>;
+
+/// The curves in a file of pictures: the positions of the points of each. A dense curve consists of strokes with the same
+/// attributes.
+#[cfg(target_os = "linux")]
+fn curves(svg: &str) -> Vec<Points> {
+    let mut curves: Vec<((usize, &str), Points)> = Vec::new();
     let point = |text: &str| {
         let (x, y) = text.split_once(',').unwrap();
         (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap())
     };
-    let curves = lines.map(|line| line.split_whitespace().map(point).collect::<Vec<_>>());
-    curves.filter(|points| points.len() > 1000).collect()
+    for (number, picture) in svg.split("<svg ").enumerate() {
+        for stroke in picture.split("<polyline").skip(1) {
+            let (attributes, rest) = stroke.split_once("points=\"").unwrap();
+            let points = rest.split('"').next().unwrap().split_whitespace().map(point);
+            match curves.iter_mut().find(|(known, _)| *known == (number, attributes)) {
+                Some((_, curve)) => curve.extend(points),
+                None => curves.push(((number, attributes), points.collect())),
+            }
+        }
+    }
+    curves.into_iter().map(|(_, points)| points).filter(|points| points.len() > 1000).collect()
 }
 
 /// The samples and their pictures would take 400 MB.

@@ -146,7 +146,9 @@ impl Watch {
 
     /// Whether the next step, of this length, needs points within it.
     pub(super) fn looks_within(&self, step: f64) -> bool {
-        self.follower.as_ref().map_or(step > self.longest * (1.0 + SAME_INSTANT), CurveFollower::is_within_step)
+        self.follower
+            .as_ref()
+            .map_or(step > self.longest * (1.0 + SAME_INSTANT), CurveFollower::is_within_step)
     }
 
     /// The problem time of the next point, if steps have this length. If there are points within steps, it is within the
