@@ -164,7 +164,7 @@ try {
     for (const size of WINDOWS) rows.push(await measure(browser, FORMS[form], address, size));
     host.stop();
   }
-  console.log(`Chromium ${browser.version()}, ${cpus().length} × ${cpus()[0].model.trim()}, load ${text(busy, 2)} at the start.\n`);
+  console.log(`Chromium ${browser.version()}, ${cpus().length} × ${cpus()[0].model.trim()}, load ${text(busy, 2)} at the start and ${text(loadavg()[0], 2)} at the end.\n`);
 } finally {
   await browser.close();
 }
