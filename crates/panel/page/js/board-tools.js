@@ -113,10 +113,7 @@ export function mountTools(board) {
     else list.children[at]?.click();
   });
   listen(palette, 'click', ({ target }) => { if (target === palette) palette.close(); });
-  listen(root, 'click', ({ target }) => {
-    run[target.dataset.do]?.();
-    if (target.dataset.zoom) board.zoom(Number(target.dataset.zoom));
-  });
+  listen(root, 'click', ({ target }) => run[target.dataset.do]?.());
   slider.value = keep('look') ?? 0.65;
   listen(slider, 'input', () => { keep('look', slider.value); look(); });
   listen(choice, 'change', () => { keep(`plate.${state.patch.machine}`, choice.value); board.render(); });

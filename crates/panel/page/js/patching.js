@@ -15,9 +15,7 @@ const isJack = ({ type }) => type === 'in' || type === 'out';
 /** @param {any} board what board.js has */
 export function mountPatching(board) {
   const { canvas, over, say, stop } = board;
-  const pointers = new Map();
   let press = null;
-  let pinch = 0;
   /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
   let hand = null;
   let draft = null;
@@ -30,7 +28,7 @@ export function mountPatching(board) {
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
   function nearest(event, test = () => true) {
-    const point = board.units(event);
+    const point = board.zoom.units(event);
     let least = board.reach(REACH[event.pointerType] ?? REACH.mouse);
     let found = null;
     for (const one of [...board.plugs, ...board.stops.filter(isJack)]) {
@@ -118,11 +116,11 @@ export function mountPatching(board) {
   }
 
   const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
+  board.zoom.listen(() => !press || (press.isMoved && !press.isDragging));
   listen('pointerdown', (event) => {
     if (event.button) return;
     const { pointerId, clientX, clientY, target } = event;
-    pointers.set(pointerId, [clientX, clientY]);
-    if (pointers.size > 1) {
+    if (board.zoom.pointers.size > 1) {
       if (press?.isDragging) release();
       press = null;
       return;
@@ -131,16 +129,8 @@ export function mountPatching(board) {
     press = { at: [clientX, clientY], hit: nearest(event), key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob };
   });
   listen('pointermove', (event) => {
-    const { clientX, clientY, pointerId, target, pointerType } = event;
-    const before = pointers.get(pointerId);
-    if (before) pointers.set(pointerId, [clientX, clientY]);
-    if (pointers.size > 1) {
-      const [[ax, ay], [bx, by]] = pointers.values();
-      const distance = Math.hypot(ax - bx, ay - by);
-      if (pinch) zoomAt(distance / pinch, (ax + bx) / 2, (ay + by) / 2);
-      pinch = distance;
-      return;
-    }
+    const { clientX, clientY, target, pointerType } = event;
+    if (board.zoom.pointers.size > 1) return;
     if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
       press.isMoved = true;
       press.isDragging = press.hit !== null && !isLocked();
@@ -148,17 +138,13 @@ export function mountPatching(board) {
     }
     if (hand && (!press || press.isDragging)) {
       const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
-      aim(goal, goal ?? board.units(event));
-    } else if (press?.isMoved && before) {
-      board.pan(clientX - before[0], clientY - before[1]);
+      aim(goal, goal ?? board.zoom.units(event));
     } else if (!press && pointerType === 'mouse') {
       const hit = nearest(event);
       board.hover((hit?.type === 'plug' ? stop(keysOf(hit.cord).cord) : hit) ?? stop(target.closest('[data-key]')?.dataset.key) ?? null);
     }
   });
   listen('pointerup pointercancel', (event) => {
-    pointers.delete(event.pointerId);
-    pinch = 0;
     const done = press;
     press = null;
     if (!done || event.type === 'pointercancel') {
@@ -167,21 +153,12 @@ export function mountPatching(board) {
       const goal = nearest(event, isJack);
       board.focus((goal ?? hand.fixed).key);
       if (goal) plugInto(goal);
-      else drop(board.units(event));
+      else drop(board.zoom.units(event));
     } else if (!done.isMoved) click(done);
   });
   listen('pointerleave', () => { if (!press) board.hover(null); });
   // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
   listen('mousedown touchstart', (event) => event.preventDefault(), { passive: false });
-  listen('wheel', (event) => {
-    if (!event.ctrlKey && !board.hasFocus()) return;
-    event.preventDefault();
-    zoomAt(Math.exp(-event.deltaY / 400), event.clientX, event.clientY);
-  }, { passive: false });
-  function zoomAt(factor, clientX, clientY) {
-    const box = canvas.getBoundingClientRect();
-    board.zoom(factor, clientX - box.x, clientY - box.y);
-  }
 
   /** The nearest place in a direction. Cords follow each other in their order. */
   function next(from, [dx, dy]) {
