@@ -173,11 +173,11 @@ export async function downloadOf(page, action) {
   return { name: download.suggestedFilename(), content: await readFile(await download.path()) };
 }
 
-/** Exports a scope by the text of an entry of its menu. */
-export function exportOf(page, scope, entry) {
+/** Exports a scope as "SVG", "PNG" or "CSV". */
+export function exportOf(page, scope, kind) {
   return downloadOf(page, async () => {
-    await scopeOf(page, scope).locator('summary', { hasText: 'Export' }).click();
-    await scopeOf(page, scope).getByRole('button', { name: entry }).click();
+    await scopeOf(page, scope).locator('summary', { hasText: 'More' }).click();
+    await scopeOf(page, scope).getByRole('button', { name: `Export as ${kind}` }).click();
   });
 }
 
