@@ -2,12 +2,12 @@
 
 import { curve, drawCord, keysOf } from './cords.js';
 import { highlight, isProbing, probed, send } from './state.js';
+import { ahead, ARROWS, cheapest } from './zoom.js';
 
 /** Distance in pixels within which a jack or plug is taken, by the type of the pointer. */
 const REACH = { mouse: 13, pen: 18, touch: 24 };
 /** Pixels by which a pointer moves before it drags. */
 const STILL = 5;
-const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 const endOf = ({ type, element, jack, output }) => (type === 'out' ? { output } : { element, jack });
 const isJack = ({ type }) => type === 'in' || type === 'out';
@@ -29,13 +29,8 @@ export function mountPatching(board) {
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
   function nearest(event, test = () => true) {
     const point = board.zoom.units(event);
-    let least = board.reach(REACH[event.pointerType] ?? REACH.mouse);
-    let found = null;
-    for (const one of [...board.plugs, ...board.stops.filter(isJack)]) {
-      const distance = Math.hypot(one.x - point.x, one.y - point.y);
-      if (distance < least && test(one)) [least, found] = [distance, one];
-    }
-    return found;
+    return cheapest([...board.plugs, ...board.stops.filter(isJack)].filter(test), ({ x, y }) => Math.hypot(x - point.x, y - point.y),
+      board.reach(REACH[event.pointerType] ?? REACH.mouse));
   }
   function take(fixed, cord, id, node) {
     release();
@@ -164,11 +159,7 @@ export function mountPatching(board) {
   function next(from, [dx, dy]) {
     const all = board.stops.filter(({ type }) => (type === 'cord') === (from.type === 'cord'));
     if (from.type === 'cord') return all.at((all.indexOf(from) + dx + dy) % all.length);
-    const cost = (one) => {
-      const along = (one.x - from.x) * dx + (one.y - from.y) * dy;
-      return along > 4 ? along + 2.5 * Math.abs((one.x - from.x) * dy + (one.y - from.y) * dx) : Infinity;
-    };
-    return all.reduce((best, one) => (cost(one) < cost(best) ? one : best), from);
+    return ahead(from, all, [dx, dy]);
   }
   function remove(one) {
     const own = board.plugs.filter(({ jack, cord }) => jack === one && cord);

@@ -4,7 +4,7 @@ import { fill, svg, within, write } from './dom.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
 import { emit, highlight, on, state } from './state.js';
-import { Zoom } from './zoom.js';
+import { ahead, ARROWS, cheapest, Zoom } from './zoom.js';
 
 /** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
 const SHOWN = 67;
@@ -53,18 +53,8 @@ function netNode(output, { lines = [], dots = [], arrows = [] } = {}) {
 }
 
 function outputNode({ name, from: [left, y], at: [right] }) {
-  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'menu', 'aria-label': outputName(name) },
+  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'dialog', 'aria-label': outputName(name) },
     around([left + 2, y - 10, right, y + 12], 4, 'hit'), svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
-}
-
-/** The one with the least cost below a limit. */
-function cheapest(all, cost, limit = Infinity) {
-  let [found, least] = [null, limit];
-  for (const one of all) {
-    const its = cost(one);
-    if (its < least) [found, least] = [one, its];
-  }
-  return found;
 }
 
 /** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
@@ -153,15 +143,6 @@ export function mountSchematic(root) {
     const { left, right, top, bottom } = node.getBoundingClientRect();
     return Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
   }, pointerType === 'touch' ? FINGER : 0);
-  const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] };
-  /** The output that is nearest in a direction. Those straight ahead come before those at the side. */
-  const nearest = ([dx, dy]) => {
-    const [x, y] = cells.get(focused).output.at;
-    return cheapest([...cells.values()], ({ output: { at: [u, v] } }) => {
-      const along = (u - x) * dx + (v - y) * dy;
-      return along > 1 ? along + 2.5 * Math.abs((u - x) * dy + (v - y) * dx) : Infinity;
-    })?.output.name ?? focused;
-  };
   const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
 
   zoom.listen();
@@ -176,7 +157,7 @@ export function mountSchematic(root) {
       rove(name);
       const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
       fill(cell.nodes.output, { 'aria-label': [outputName(name), valueText(name), ...said].filter(Boolean).join(', ') });
-      zoom.reveal({ x: cell.output.at[0], y: cell.output.at[1] });
+      zoom.reveal(cell);
       point(name);
     },
     onclick(event) {
@@ -196,7 +177,7 @@ export function mountSchematic(root) {
       const act = {
         '+': () => zoom.by(1.3), '-': () => zoom.by(1 / 1.3), 0: () => zoom.fit(0), Home: () => go(names[0]), End: () => go(names.at(-1)),
         ...node && { Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
-      }[event.key] ?? (ARROWS[event.key] && (() => go(node ? nearest(ARROWS[event.key]) : focused)));
+      }[event.key] ?? (ARROWS[event.key] && (() => go(node ? ahead(cells.get(focused), cells.values(), ARROWS[event.key]).output.name : focused)));
       if (!act || !cells.has(focused)) return;
       // A probe that waits is called off by the page.
       if (event.key !== 'Escape') event.preventDefault();
@@ -260,12 +241,13 @@ export function mountSchematic(root) {
       return symbol.outputs.map((output) => {
         const net = drawing.nets.find(({ from }) => from === output.name);
         const own = outputNode(output);
-        return { output, net, element: symbol.name, nodes: { symbol: node, net: netNode(output, net), output: own, volts: own.lastChild } };
+        const [x, y] = output.at;
+        return { output, net, x, y, element: symbol.name, nodes: { symbol: node, net: netNode(output, net), output: own, volts: own.lastChild } };
       });
     });
     // In the order of reading: rows, and from left to right in each.
-    const row = ({ output: { at: [, y] } }) => Math.round(y / 90);
-    made.sort((a, b) => row(a) - row(b) || a.output.at[0] - b.output.at[0]);
+    const row = ({ y }) => Math.round(y / 90);
+    made.sort((a, b) => row(a) - row(b) || a.x - b.x);
     // The last voltages stay until the next frame.
     for (const cell of made) paint(cell, cells.get(cell.output.name) ?? {});
     cells = new Map(made.map((cell) => [cell.output.name, cell]));

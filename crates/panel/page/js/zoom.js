@@ -9,6 +9,27 @@ const SLACK = 5;
 /** Pixels from the edge within which a place is not in sight. */
 const EDGE = 40;
 
+/** Steps to the right and downwards of the arrow keys. */
+export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+/** The one that has the least cost below a limit, or null. */
+export function cheapest(all, cost, limit = Infinity) {
+  let [found, least] = [null, limit];
+  for (const one of all) {
+    const its = cost(one);
+    if (its < least) [found, least] = [one, its];
+  }
+  return found;
+}
+
+/** The one that is nearest in a direction, or the same one. Those straight ahead come before those at the side. */
+export function ahead(from, all, [dx, dy]) {
+  return cheapest(all, ({ x, y }) => {
+    const along = (x - from.x) * dx + (y - from.y) * dy;
+    return along > 1 ? along + 2.5 * Math.abs((x - from.x) * dy + (y - from.y) * dx) : Infinity;
+  }) ?? from;
+}
+
 export class Zoom {
   /** The corner and the scale of the part in sight, its size in pixels, and the size of the drawing. */
   x = 0;
