@@ -117,7 +117,6 @@ pub const PAGES: &[Page] = pages![
     "js/controls.js",
     "js/cords.js",
     "js/dial.js",
-    "js/dialogs.js",
     "js/dom.js",
     "js/equations.js",
     "js/faceplate.js",

@@ -1,16 +1,14 @@
 /** Tools of the patch panel: the line for cords, the palette of elements, and how the panel looks. */
 
-import { el } from './dom.js';
+import { byId, el, stored } from './dom.js';
 import { faceplate } from './faceplate.js';
 import { bind } from './keys.js';
 import { toast } from './messages.js';
-import { send, state } from './state.js';
-
-const refusal = (events) => events.find(({ event }) => event === 'refused')?.message;
+import { refusalOf, send, state } from './state.js';
 
 /** @param {any} board what board.js has */
 export function mountTools(board) {
-  const { root, find, canvas, say, keep } = board;
+  const { root, find, canvas, say } = board;
   const [field, slider, choice, lock, palette, search, list, names] = ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
     '.board-palette', '.board-palette input', '.board-palette ul', 'datalist'].map(find);
   const isLocked = () => canvas.dataset.lock === 'true';
@@ -35,7 +33,7 @@ export function mountTools(board) {
       return;
     }
     const { element, jack } = into;
-    const refused = refusal(await send({ command: isRemoval ? 'unplug' : 'plug', element, jack, from }));
+    const refused = refusalOf(await send({ command: isRemoval ? 'unplug' : 'plug', element, jack, from }));
     say(refused ?? `${isRemoval ? 'Removed the cord' : 'Plugged a cord'} from ${from} to ${element}.${jack}.`);
     if (!refused) field.value = '';
   }
@@ -75,7 +73,7 @@ export function mountTools(board) {
   async function add(kind) {
     palette.close();
     const before = new Set(state.patch.elements.map(({ name }) => name));
-    const refused = refusal(await send({ command: 'add-element', kind, name: null }));
+    const refused = refusalOf(await send({ command: 'add-element', kind, name: null }));
     await board.render();
     const made = state.patch.elements.find(({ name }) => !before.has(name))?.name;
     say(refused ?? `Added ${made}, ${kind}.`);
@@ -85,17 +83,17 @@ export function mountTools(board) {
 
   function setLock(isOn) {
     say('');
-    canvas.dataset.lock = keep('lock', isOn);
+    canvas.dataset.lock = stored('board.lock', isOn);
     lock.setAttribute('aria-pressed', isOn);
     lock.textContent = isOn ? 'Unlock' : 'Lock';
     for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
   }
   async function clear() {
-    const refused = refusal(await send({ command: 'clear-cords' }));
+    const refused = refusalOf(await send({ command: 'clear-cords' }));
     if (!refused) toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
   function look() {
-    const share = Number(keep('look') ?? 0.65);
+    const share = Number(stored('board.look') ?? 0.65);
     canvas.style.setProperty('--cord', 2.5 + 5 * share);
     canvas.style.setProperty('--cord-opacity', Math.min(0.3 + share, 1));
   }
@@ -117,20 +115,20 @@ export function mountTools(board) {
     run[target.dataset.do]?.();
     if (target.dataset.zoom) board.zoom(Number(target.dataset.zoom));
   });
-  slider.value = keep('look') ?? 0.65;
-  listen(slider, 'input', () => { keep('look', slider.value); look(); });
-  listen(choice, 'change', () => { keep(`plate.${state.patch.machine}`, choice.value); board.render(); });
+  slider.value = stored('board.look') ?? 0.65;
+  listen(slider, 'input', () => { stored('board.look', slider.value); look(); });
+  listen(choice, 'change', () => { stored(`board.plate.${state.patch.machine}`, choice.value); board.render(); });
   look();
-  setLock(keep('lock') === 'true');
+  setLock(stored('board.lock') === 'true');
   board.patched = (name) => { choice.value = name; };
   faceplate('index').then((plates) => {
     board.plates = plates;
-    choice.replaceChildren(...Object.entries(plates).map(([value, title]) => el('option', { value }, title)));
+    choice.replaceChildren(...Object.entries(plates).map(([value, title]) => new Option(title, value)));
     board.render();
   });
 
   const visit = (action) => () => {
-    if (!root.offsetParent) document.getElementById('tab-board').click();
+    if (!root.offsetParent) byId('tab-board').click();
     if (!isLocked()) action();
   };
   const type = visit(() => field.focus());

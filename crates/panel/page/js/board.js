@@ -2,8 +2,9 @@
 
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
-import { quantity, svg } from './dom.js';
+import { quantity, shape, stored, svg } from './dom.js';
 import { draw, faceplate } from './faceplate.js';
+import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
 import { mountPatching } from './patching.js';
 import { on, send, state } from './state.js';
@@ -37,10 +38,6 @@ export function mountBoard(root) {
   const say = (text) => { status.textContent = text; };
   const isVisible = () => root.offsetParent !== null;
   const hasFocus = () => canvas.contains(document.activeElement);
-  function keep(key, value) {
-    if (value !== undefined) localStorage.setItem(`patchcord.board.${key}`, value);
-    return localStorage.getItem(`patchcord.board.${key}`);
-  }
 
   // The part of the panel that is in sight.
   function show() {
@@ -153,18 +150,16 @@ export function mountBoard(root) {
     for (const { severity, message, hint, place } of state.findings) {
       const one = place?.element && placed({ ...place, from: null });
       if (!one) continue;
-      const isError = severity === 'error';
       const before = notes.get(one.key) ?? [];
-      notes.set(one.key, [...before, `${isError ? 'Error' : 'Warning'}: ${message} ${hint}`]);
+      notes.set(one.key, [...before, `${severity === 'error' ? 'Error' : 'Warning'}: ${message} ${hint}`]);
       if (before.length) continue;
-      one.node.append(svg('g', { class: `mark ${severity}`, transform: `translate(${one.box ? [one.box[2] - 13, 30] : [11, 9]})` },
-        svg('path', { d: isError ? 'M0-9 9 7H-9Z' : 'M0 8 8-6H-8Z' }), isError && svg('text', { y: 5 }, '!')));
+      one.node.append(shape(`mark-${severity}`, { transform: `translate(${one.box ? [one.box[2] - 13, 30] : [11, 9]})` }));
     }
     board.stops.forEach(label);
   }
 
   const board = {
-    root, find, canvas, over, say, keep, stop, focus, pan, zoom, hover, bubble, ring, nameOf, render, units, hasFocus,
+    root, find, canvas, over, say, stop, focus, pan, zoom, hover, bubble, ring, nameOf, render, units, hasFocus,
     stops: [], plugs: [],
     reach: (distance) => distance / Math.min(scale, 1.4),
     back: () => focus(current?.key),
@@ -178,7 +173,7 @@ export function mountBoard(root) {
   async function render() {
     const { patch } = state;
     if (!patch || !isVisible() || !board.plates) return;
-    const name = keep(`plate.${patch.machine}`) ?? (board.plates[patch.machine] ? patch.machine : 'plain');
+    const name = stored(`board.plate.${patch.machine}`) ?? (board.plates[patch.machine] ? patch.machine : 'plain');
     if (plate.name !== name) plate = { name, ...await faceplate(name) };
     if (patch !== state.patch) return;
     const [before, had] = [current, hasFocus()];
@@ -206,11 +201,10 @@ export function mountBoard(root) {
 
   on('patch', render);
   on('findings', () => { if (isVisible()) mark(); });
-  on('frame', ({ lamps, firstLamp }) => {
+  on('frame', (frame) => {
     if (!isShown) return;
     for (const lamp of drawn.lamps) {
-      const position = index.get(lamp.output);
-      const look = !lamps[position] ? 'off' : firstLamp === position ? 'first' : 'lit';
+      const look = lookOf(frame, index.get(lamp.output));
       if (look !== lamp.look) lamp.node.dataset.lamp = lamp.look = look;
     }
     if (performance.now() - last < PERIOD) return;

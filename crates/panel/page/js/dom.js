@@ -34,11 +34,31 @@ export const within = (low, value, high) => Math.min(high, Math.max(low, value))
 
 export const byId = (id) => document.getElementById(id);
 
+export const root = document.documentElement;
+
+/** What this browser keeps by a name. A value is kept first. */
+export function stored(name, value) {
+  if (value !== undefined) localStorage.setItem(`patchcord.${name}`, value);
+  return localStorage.getItem(`patchcord.${name}`);
+}
+
+/** Hides the nodes that do not have all words of a text. */
+export function filter(nodes, text) {
+  const words = text.toLowerCase().split(/\s+/);
+  for (const node of nodes) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
+}
+
 /** A copy of a template of index.html, and its parts by the names in `data-part`. @returns {Record<string, any>} */
 export function template(id) {
   const node = byId(id).content.firstElementChild.cloneNode(true);
   return { node, ...Object.fromEntries([...node.querySelectorAll('[data-part]')].map((part) => [part.dataset.part, part])) };
 }
+
+/** A copy of the drawing in a template, with more attributes. */
+export const shape = (id, attributes) => fill(byId(id).content.querySelector('g').cloneNode(true), attributes);
+
+/** The attributes of a place of the patch panel that can have the focus, if it has a key. */
+export const keyed = (key) => key && { role: 'button', tabindex: -1, 'data-key': key };
 
 /** Writes a text only if it is another one, because many are written for every frame. */
 export function write(element, text) {
@@ -50,13 +70,6 @@ export function float(box, x, y) {
   const { width, height } = box.getBoundingClientRect();
   box.style.left = `${within(8, x, innerWidth - width - 8)}px`;
   box.style.top = `${within(8, y, innerHeight - height - 8)}px`;
-}
-
-/** A field with its label: `label('Length', input, 's')`. */
-export function label(text, control, unit) {
-  return el('label', { class: 'field' },
-    el('span', { class: 'field-name' }, text),
-    el('span', { class: 'field-box' }, control, unit && el('span', { class: 'unit' }, unit)));
 }
 
 /** A button with a text. */

@@ -1,6 +1,7 @@
 /** Patching by mouse, touch and keys. */
 
-import { curve, drawCord, keysOf } from './cords.js';
+import { cordClass, keysOf, lay } from './cords.js';
+import { shape } from './dom.js';
 import { highlight, isProbing, probed, send } from './state.js';
 
 /** Distance in pixels within which a jack or plug is taken, by the type of the pointer. */
@@ -45,7 +46,8 @@ export function mountPatching(board) {
     canvas.dataset.want = hand.want;
     fixed.node.classList.add('is-held');
     node?.classList.add('is-lifted');
-    draft = drawCord(fixed, fixed, { class: `cord cord-${(board.colours.get(cord?.from ?? fixed.output) ?? 4) + 1} is-draft` });
+    draft = shape('cord', { class: `${cordClass(board.colours.get(cord?.from ?? fixed.output))} is-draft` });
+    lay(draft, fixed, fixed);
     over.append(draft);
     board.hover(null, null);
     say(`Cord from ${board.nameOf(fixed)}: choose an ${hand.want}put. Escape cancels.`);
@@ -71,8 +73,7 @@ export function mountPatching(board) {
   function aim(goal, point = goal) {
     ring?.remove();
     ring = goal && board.ring(goal, goal.type === hand.want ? 'aim' : 'aim is-wrong');
-    for (const path of draft.querySelectorAll('path')) path.setAttribute('d', curve(hand.fixed, point));
-    draft.lastChild.setAttribute('transform', `translate(${point.x} ${point.y})`);
+    lay(draft, hand.fixed, point);
   }
   function plugInto(goal) {
     const { fixed, want, cord, id } = hand;
