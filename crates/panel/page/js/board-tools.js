@@ -1,6 +1,6 @@
 /** Tools of the patch panel: the line for cords, the palette of elements, and how the panel looks. */
 
-import { byId, el, stored } from './dom.js';
+import { byId, el, stored, within } from './dom.js';
 import { faceplate } from './faceplate.js';
 import { bind } from './keys.js';
 import { toast } from './messages.js';
@@ -11,7 +11,6 @@ export function mountTools(board) {
   const { root, find, canvas, say } = board;
   const [field, slider, choice, lock, palette, search, list, names] = ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
     '.board-palette', '.board-palette input', '.board-palette ul', 'datalist'].map(find);
-  const isLocked = () => canvas.dataset.lock === 'true';
 
   /** What a name can be: an output, an input by its name or its label, or an element with one input. */
   function named(text) {
@@ -55,7 +54,7 @@ export function mountTools(board) {
     const words = search.value.trim().toLowerCase();
     const rows = kinds.filter(({ name, summary }) => `${name} ${summary}`.toLowerCase().includes(words))
       .sort((one, other) => other.name.startsWith(words) - one.name.startsWith(words));
-    at = Math.max(0, Math.min(at, rows.length - 1));
+    at = within(0, at, rows.length - 1);
     list.replaceChildren(...rows.map(({ name, summary, parts }, index) => el('li', {
       role: 'option', id: `kind-${name}`, 'aria-selected': String(index === at), class: left(parts).startsWith('0') && 'is-none', onclick: () => add(name),
     }, el('b', null, name), el('span', null, left(parts)), el('span', null, summary))));
@@ -84,40 +83,39 @@ export function mountTools(board) {
   function setLock(isOn) {
     say('');
     canvas.dataset.lock = stored('board.lock', isOn);
-    lock.setAttribute('aria-pressed', isOn);
+    lock.ariaPressed = isOn;
     lock.textContent = isOn ? 'Unlock' : 'Lock';
     for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
   }
   async function clear() {
-    const refused = refusalOf(await send({ command: 'clear-cords' }));
-    if (!refused) toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
+    if (!refusalOf(await send({ command: 'clear-cords' }))) toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
   function look() {
     const share = Number(stored('board.look') ?? 0.65);
     canvas.style.setProperty('--cord', 2.5 + 5 * share);
     canvas.style.setProperty('--cord-opacity', Math.min(0.3 + share, 1));
   }
-  const run = { add: () => open(), lock: () => setLock(!isLocked()), clear };
-  const listen = (target, events, listener) => events.split(' ').forEach((event) => target.addEventListener(event, listener));
-  listen(find('.board-line'), 'submit', enter);
-  listen(field, 'input focus', complete);
-  listen(search, 'input', () => { at = 0; offer(); });
-  listen(search, 'keydown', (event) => {
+  const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };
+  find('.board-line').onsubmit = enter;
+  field.oninput = field.onfocus = complete;
+  field.onkeydown = ({ key }) => { if (key === 'Escape') board.back(); };
+  search.oninput = () => { at = 0; offer(); };
+  search.onkeydown = (event) => {
     const by = { ArrowDown: 1, ArrowUp: -1, Enter: 0 }[event.key];
     if (by === undefined) return;
     event.preventDefault();
     at += by;
     if (by) offer();
     else list.children[at]?.click();
-  });
-  listen(palette, 'click', ({ target }) => { if (target === palette) palette.close(); });
-  listen(root, 'click', ({ target }) => {
+  };
+  palette.onclick = ({ target }) => { if (target === palette) palette.close(); };
+  root.onclick = ({ target }) => {
     run[target.dataset.do]?.();
     if (target.dataset.zoom) board.zoom(Number(target.dataset.zoom));
-  });
+  };
   slider.value = stored('board.look') ?? 0.65;
-  listen(slider, 'input', () => { stored('board.look', slider.value); look(); });
-  listen(choice, 'change', () => { stored(`board.plate.${state.patch.machine}`, choice.value); board.render(); });
+  slider.oninput = () => { stored('board.look', slider.value); look(); };
+  choice.onchange = () => { stored(`board.plate.${state.patch.machine}`, choice.value); board.render(); };
   look();
   setLock(stored('board.lock') === 'true');
   board.patched = (name) => { choice.value = name; };
@@ -129,16 +127,8 @@ export function mountTools(board) {
 
   const visit = (action) => () => {
     if (!root.offsetParent) byId('tab-board').click();
-    if (!isLocked()) action();
+    if (!board.isLocked()) action();
   };
-  const type = visit(() => field.focus());
   bind('a', 'Add an element to the patch panel', visit(() => open()));
-  bind('/', 'Type a cord, such as B1 P1.in', type);
-  // C is Problem check elsewhere.
-  listen(root, 'keydown', (event) => {
-    if (event.key === 'Escape' && event.target === field) board.back();
-    if (event.key !== 'c' || event.ctrlKey || event.metaKey || event.target.closest('input, select')) return;
-    event.preventDefault();
-    type();
-  });
+  bind('/', 'Type a cord, such as B1 P1.in', visit(() => field.focus()));
 }

@@ -2,7 +2,7 @@
 
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
-import { quantity, shape, stored, svg } from './dom.js';
+import { minus, quantity, shape, stored, svg } from './dom.js';
 import { draw, faceplate } from './faceplate.js';
 import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
@@ -25,14 +25,10 @@ export function mountBoard(root) {
   let plate = {};
   let drawn = { stops: new Map(), outs: [], lamps: [], width: 1000, height: 600 };
   let cords = { stops: new Map() };
-  let notes = new Map();
-  let index = new Map();
+  let [notes, index] = [new Map(), new Map()];
   let [x, y, scale, width, height] = [0, 0, 0, 0, 0];
-  let isFitted = true;
-  let isShown = false;
-  let [tipped, current] = [null, null];
-  let last = 0;
-  let timer = 0;
+  let [isFitted, isShown] = [true, false];
+  let [tipped, current, last, timer] = [null, null, 0, 0];
 
   const stop = (key) => drawn.stops.get(key) ?? cords.stops.get(key);
   const say = (text) => { status.textContent = text; };
@@ -70,7 +66,7 @@ export function mountBoard(root) {
   // What a place is, as text.
   function volts(output) {
     const value = state.frame?.volts[index.get(output)] ?? NaN;
-    return Number.isNaN(value) ? '' : value.toFixed(1).replace('-', '−');
+    return Number.isNaN(value) ? '' : minus(value.toFixed(1));
   }
   const nameOf = ({ type, element, jack, output, name }) => name ?? { in: `${element}.${jack}`, out: output }[type] ?? element?.name;
   function describe(one) {
@@ -83,9 +79,10 @@ export function mountBoard(root) {
       in: () => ['input', list(view.cords, 'from'), view.description], out: () => ['output', list(goals(), 'to')],
       module: () => [element.kind, element.note], free: () => [`Free: ${section.title}. Enter adds an element`],
     }[type]?.() ?? [];
-    return [nameOf(one), ...what, value && `${value} V`, value && signal && `${signal} = ${quantity(state.frame.volts[index.get(output)] * perVolt, unit, 3)}`, ...notes.get(key) ?? []].filter(Boolean).join(', ');
+    if (value) what.push(`${value} V`, signal && `${signal} = ${quantity(state.frame.volts[index.get(output)] * perVolt, unit, 3)}`);
+    return [nameOf(one), ...what, ...notes.get(key) ?? []].filter(Boolean).join(', ');
   }
-  const label = (one) => one.node.setAttribute('aria-label', describe(one));
+  const label = (one) => { one.node.ariaLabel = describe(one); };
 
   // What is shown at a place.
   function put(box, point) {
@@ -99,7 +96,7 @@ export function mountBoard(root) {
     tip.hidden = !one;
     if (!one) return;
     tipText.textContent = describe(one);
-    tipButton.hidden = !canRemove || !['cord', 'module', 'loose'].includes(one.type) || canvas.dataset.lock === 'true';
+    tipButton.hidden = !canRemove || !['cord', 'module', 'loose'].includes(one.type) || board.isLocked();
     put(tip, one);
   }
   /** Shows what the pointer is on; without it, what has the focus. */
@@ -113,7 +110,7 @@ export function mountBoard(root) {
   /** The panel has two stops of the Tab key: one of the jacks and modules, and one of the cords. */
   function settle(one) {
     const layer = one.type === 'cord' ? cordLayer : face;
-    layer.querySelector('[tabindex="0"]')?.setAttribute('tabindex', -1);
+    for (const node of layer.querySelectorAll('[tabindex="0"]')) node.tabIndex = -1;
     one.node.tabIndex = 0;
     current = one;
   }
@@ -161,6 +158,7 @@ export function mountBoard(root) {
   const board = {
     root, find, canvas, over, say, stop, focus, pan, zoom, hover, bubble, ring, nameOf, render, units, hasFocus,
     stops: [], plugs: [],
+    isLocked: () => canvas.dataset.lock === 'true',
     reach: (distance) => distance / Math.min(scale, 1.4),
     back: () => focus(current?.key),
     remove(one) {
@@ -183,10 +181,9 @@ export function mountBoard(root) {
     [board.stops, board.plugs, board.colours] = [[...drawn.stops.values(), ...cords.stops.values()], cords.plugs, cords.colours];
     face.replaceChildren(drawn.node);
     cordLayer.replaceChildren(...cords.nodes);
-    live.replaceChildren(svg('g', { class: drawn.node.getAttribute('class') }, drawn.live));
+    live.replaceChildren(svg('g', { class: `faceplate ${plate.class}` }, drawn.live));
     stage.style.aspectRatio = `${drawn.width + 40} / ${drawn.height + 40}`;
     index = new Map(patch.outputs.map((output, position) => [output.name, position]));
-    for (const { node, view } of drawn.stops.values()) node.classList.toggle('is-full', view?.most <= view?.cords.length && view.most !== null);
     if (cords.nodes.length) cords.nodes[0].tabIndex = 0;
     [tipped, last] = [null, 0];
     if (isFitted) zoom(0, 0, 0, READABLE);
@@ -239,11 +236,11 @@ export function mountBoard(root) {
   new IntersectionObserver(([{ isIntersecting }]) => { isShown = isIntersecting; }).observe(stage);
   canvas.addEventListener('focusin', ({ target }) => { if (target.dataset.key !== current?.key) focus(target.dataset.key); else hover(null); });
   root.addEventListener('focusout', ({ relatedTarget }) => { if (!stage.contains(relatedTarget)) hover(null, null); });
-  tipButton.addEventListener('click', () => {
+  tipButton.onclick = () => {
     const one = tipped;
     one.node.focus();
     board.remove(one);
-  });
+  };
   mountPatching(board);
   mountTools(board);
 }

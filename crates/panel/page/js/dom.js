@@ -85,6 +85,9 @@ export function format(number, digits = 4) {
   return String(Number(number.toPrecision(digits)));
 }
 
+/** A text of a number with a true minus sign. */
+export const minus = (text) => text.replace(/^-/, '−');
+
 /** A number for reading, with its unit: "−1.5 m", "1.2·10⁻⁷ kg", "20 µs". The unit "1" is left out. */
 export function quantity(value, unit = '', digits = 4) {
   if (!Number.isFinite(value)) return '—';
@@ -94,7 +97,7 @@ export function quantity(value, unit = '', digits = 4) {
   const name = ['p', 'n', 'µ', 'm', '', 'k', 'M'][power + 4] + (unit === '1' ? '' : unit);
   const [mantissa, exponent] = format(value / 1000 ** power, digits).split('e');
   const raised = exponent ? `·10${[...exponent].map((sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign])).join('')}` : '';
-  return `${mantissa.replace('-', '−')}${raised}${name && '\u202f'}${name}`;
+  return `${minus(mantissa)}${raised}${name && '\u202f'}${name}`;
 }
 
 /** The number in a field, or null. A decimal comma and a true minus sign are accepted. */

@@ -131,7 +131,9 @@ export function draw(plate, patch, kinds) {
   const [outs, lamps] = [[], []];
   function drawJack({ x, y, ...data }, name, label) {
     const key = name && `${data.type}:${name}`;
-    const node = shape('jack', { class: `jack ${data.type}`, ...move([x, y]), ...keyed(key) });
+    const { most, cords } = data.view ?? {};
+    const isFull = most !== null && most <= cords?.length;
+    const node = shape('jack', { class: `jack ${data.type}${isFull ? ' is-full' : ''}`, ...move([x, y]), ...keyed(key) });
     if (label) node.append(text('jack-label', 0, -15, label, 27));
     if (key) stops.set(key, { key, node, x, y, ...data });
     if (key && data.type === 'out') outs.push({ name, node: text('volts', x, y + 25) });

@@ -25,9 +25,8 @@ export function mountPatching(board) {
   let ring = null;
 
   function isLocked() {
-    const locked = canvas.dataset.lock === 'true';
-    if (locked) say('The panel is locked. Press Unlock to patch.');
-    return locked;
+    if (board.isLocked()) say('The panel is locked. Press Unlock to patch.');
+    return board.isLocked();
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
   function nearest(event, test = () => true) {
@@ -63,8 +62,7 @@ export function mountPatching(board) {
     if (!hand) return;
     hand.fixed.node.classList.remove('is-held');
     hand.node?.classList.remove('is-lifted');
-    draft.remove();
-    ring?.remove();
+    over.replaceChildren();
     hand = null;
     delete canvas.dataset.want;
     say('');
@@ -79,10 +77,11 @@ export function mountPatching(board) {
     const { fixed, want, cord, id } = hand;
     release();
     if (goal === fixed || (cord && Object.values(keysOf(cord)).includes(goal.key))) return;
+    const [output, input] = want === 'in' ? [fixed, goal] : [goal, fixed];
     if (goal.type !== want) board.bubble(`Both are ${goal.type}puts. A cord goes from an output to an input.`, goal);
     else if (id !== undefined) send({ command: 'plug-loose', id, to: endOf(goal) });
     else if (cord) send({ command: 'move-cord', ...cord, to: endOf(goal) });
-    else send({ command: 'plug', ...want === 'in' ? { from: fixed.output, ...endOf(goal) } : { from: goal.output, ...endOf(fixed) } });
+    else send({ command: 'plug', from: output.output, ...endOf(input) });
   }
   /** Leaves the cord where it is dropped. */
   function drop({ x, y }) {
@@ -114,8 +113,10 @@ export function mountPatching(board) {
     release();
     board.focus(key);
     if (knob) highlight({ element: knob, setting: 'setting' });
-    const one = stop(key);
-    if (one?.type === 'free' && !isBusy && !isLocked()) board.add(one.section);
+    if (!isBusy) fillFree(stop(key));
+  }
+  function fillFree(one) {
+    if (one?.type === 'free' && !isLocked()) board.add(one.section);
   }
 
   const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
@@ -209,7 +210,7 @@ export function mountPatching(board) {
       if (hand && isJack(goal)) aim(goal);
     } else if (name === 'Enter' || name === ' ') {
       if (isJack(one) || one.type === 'loose') choose(one);
-      else if (one.type === 'free' && !isLocked()) board.add(one.section);
+      else fillFree(one);
     } else if (name === 'Delete' || name === 'Backspace') {
       if (one.type !== 'free' && !isLocked()) remove(one);
     } else return false;
