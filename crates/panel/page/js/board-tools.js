@@ -90,11 +90,6 @@ export function mountTools(board) {
   async function clear() {
     if (!refusalOf(await send({ command: 'clear-cords' }))) toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
-  function look() {
-    const share = Number(stored('board.look') ?? 0.65);
-    canvas.style.setProperty('--cord', 2.5 + 5 * share);
-    canvas.style.setProperty('--cord-opacity', Math.min(0.3 + share, 1));
-  }
   const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };
   find('.board-line').onsubmit = enter;
   field.oninput = field.onfocus = complete;
@@ -114,9 +109,9 @@ export function mountTools(board) {
     if (target.dataset.zoom) board.zoom(Number(target.dataset.zoom));
   };
   slider.value = stored('board.look') ?? 0.65;
-  slider.oninput = () => { stored('board.look', slider.value); look(); };
+  slider.oninput = () => canvas.style.setProperty('--look', stored('board.look', slider.value));
+  slider.oninput();
   choice.onchange = () => { stored(`board.plate.${state.patch.machine}`, choice.value); board.render(); };
-  look();
   setLock(stored('board.lock') === 'true');
   board.patched = (name) => { choice.value = name; };
   faceplate('index').then((plates) => {

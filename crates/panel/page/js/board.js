@@ -130,12 +130,6 @@ export function mountBoard(root) {
     clearTimeout(timer);
     timer = setTimeout(() => { alert.hidden = true; }, MARKED + 40 * message.length);
   }
-  function ring({ box: [left, top, w, h] = [0, 0, 30, 30], ...one }, kind) {
-    const [ax, ay, rx] = w > 30 ? [left, top, 7] : [one.x - 15, one.y - 15, 18];
-    const node = svg('rect', { class: kind, x: ax - 3, y: ay - 3, width: w + 6, height: h + 6, rx });
-    over.append(node);
-    return node;
-  }
   function placed({ element, jack, from }) {
     const keys = keysOf({ element, jack, from });
     return stop(keys.cord) ?? stop(keys.in) ?? stop(`module:${element}`) ?? stop(`out:${element}`);
@@ -156,7 +150,7 @@ export function mountBoard(root) {
   }
 
   const board = {
-    root, find, canvas, over, say, stop, focus, pan, zoom, hover, bubble, ring, nameOf, render, units, hasFocus,
+    root, find, canvas, over, say, stop, focus, pan, zoom, hover, bubble, nameOf, render, units, hasFocus,
     stops: [], plugs: [],
     isLocked: () => canvas.dataset.lock === 'true',
     reach: (distance) => distance / Math.min(scale, 1.4),
@@ -223,8 +217,8 @@ export function mountBoard(root) {
     if (!one) return;
     stage.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
     reveal(one);
-    const node = ring(one, 'seek');
-    setTimeout(() => node.remove(), MARKED);
+    one.node.classList.add('is-sought');
+    setTimeout(() => one.node.classList.remove('is-sought'), MARKED);
   });
   new ResizeObserver(() => {
     [width, height] = [stage.clientWidth, stage.clientHeight];

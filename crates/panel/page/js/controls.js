@@ -47,11 +47,7 @@ function mountPause() {
   const pause = byId('pause');
   pause.onclick = () => send({ command: 'pause', paused: !state.machine?.paused });
   bind('Space', 'Pause or continue', pause.onclick);
-  on('machine', ({ paused }) => {
-    pause.ariaPressed = paused;
-    pause.querySelector('use').setAttribute('href', paused ? '#icon-play' : '#icon-pause');
-    write(pause.querySelector('span'), paused ? 'Continue' : 'Pause');
-  });
+  on('machine', ({ paused }) => { pause.ariaPressed = paused; });
 }
 
 /** Seconds with as many decimals as the length of the run needs, so that the digits stay in their places. */

@@ -7,21 +7,17 @@
  *   message when the host no longer answers.
  */
 
-const TOKEN = 'patchcord.token';
+import { stored } from './dom.js';
 
 /** The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by mistake, and links also open in other tabs. */
 export function token() {
-  const query = new URLSearchParams(location.search);
   const fragment = new URLSearchParams(location.hash.slice(1));
-  const given = fragment.get('token') ?? query.get('token');
-  if (given !== null) {
-    localStorage.setItem(TOKEN, given);
-    query.delete('token');
+  if (fragment.has('token')) {
+    stored('token', fragment.get('token'));
     fragment.delete('token');
-    const rest = (parameters, sign) => (parameters.size ? sign + String(parameters).replaceAll('%2F', '/') : '');
-    history.replaceState(null, '', location.pathname + rest(query, '?') + rest(fragment, '#'));
+    history.replaceState(null, '', location.pathname + location.search + (fragment.size ? `#${fragment}` : ''));
   }
-  return localStorage.getItem(TOKEN) ?? '';
+  return stored('token') ?? '';
 }
 
 /** A link that gives answers to its requests in their order. `post` sends a request. */

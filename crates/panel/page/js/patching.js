@@ -22,7 +22,6 @@ export function mountPatching(board) {
   /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
   let hand = null;
   let draft = null;
-  let ring = null;
 
   function isLocked() {
     if (board.isLocked()) say('The panel is locked. Press Unlock to patch.');
@@ -62,15 +61,20 @@ export function mountPatching(board) {
     if (!hand) return;
     hand.fixed.node.classList.remove('is-held');
     hand.node?.classList.remove('is-lifted');
-    over.replaceChildren();
+    draft.remove();
+    mark(null);
     hand = null;
     delete canvas.dataset.want;
     say('');
   }
+  /** Marks the jack into which a plug would go. */
+  function mark(goal) {
+    canvas.querySelector('.is-aim')?.classList.remove('is-aim', 'is-wrong');
+    goal?.node.classList.add('is-aim', goal.type === hand.want ? 'is-aim' : 'is-wrong');
+  }
   /** Draws the cord in the hand to a jack or a point. */
   function aim(goal, point = goal) {
-    ring?.remove();
-    ring = goal && board.ring(goal, goal.type === hand.want ? 'aim' : 'aim is-wrong');
+    mark(goal);
     lay(draft, hand.fixed, point);
   }
   function plugInto(goal) {
