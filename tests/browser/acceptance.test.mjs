@@ -5,8 +5,8 @@ import { test } from 'node:test';
 
 import { cordIs, cordLine, inputJack, pull, showBoard } from './board.mjs';
 import {
-  command, exportOf, FIG_8_16, FORM, knobOf, modeButton, openPanel, parameterIs, picturesOf, probe, ready, rowsOf, scopeOf, select,
-  stateOf, sweepOnce, type, undoButton, until,
+  command, exportOf, FIG_8_16, FORM, kept, knobOf, modeButton, openPanel, parameterIs, picturesOf, probe, ready, rowsOf, scopeOf,
+  select, stateOf, sweepOnce, type, undoButton, until,
 } from './panel.mjs';
 
 /** Seconds of Fig 8.16 that show the sliding velocity. */
@@ -160,7 +160,7 @@ test('an oscillator is patched in an empty panel by keys only', async (t) => {
 test('the time from the start of the page to the first trace is reported', async (t) => {
   const page = await openPanel(t);
   const { title } = (await stateOf(page)).patch;
-  await until('the session is stored', () => page.evaluate(() => sessionStorage.getItem('patchcord.session') !== null));
+  await kept(page);
   await page.reload();
   await ready(page, title);
   await modeButton(page, 'Operate').click();

@@ -1,6 +1,7 @@
 /** Patching by mouse, touch and keys. */
 
-import { curve, drawCord, keysOf } from './cords.js';
+import { cordClass, keysOf, lay } from './cords.js';
+import { shape } from './dom.js';
 import { highlight, isProbing, probed, send } from './state.js';
 import { ahead, ARROWS, cheapest } from './zoom.js';
 
@@ -19,12 +20,10 @@ export function mountPatching(board) {
   /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
   let hand = null;
   let draft = null;
-  let ring = null;
 
   function isLocked() {
-    const locked = canvas.dataset.lock === 'true';
-    if (locked) say('The panel is locked. Press Unlock to patch.');
-    return locked;
+    if (board.isLocked()) say('The panel is locked. Press Unlock to patch.');
+    return board.isLocked();
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
   function nearest(event, test = () => true) {
@@ -38,7 +37,8 @@ export function mountPatching(board) {
     canvas.dataset.want = hand.want;
     fixed.node.classList.add('is-held');
     node?.classList.add('is-lifted');
-    draft = drawCord(fixed, fixed, { class: `cord cord-${(board.colours.get(cord?.from ?? fixed.output) ?? 4) + 1} is-draft` });
+    draft = shape('cord', { class: `${cordClass(board.colours.get(cord?.from ?? fixed.output))} is-draft` });
+    lay(draft, fixed, fixed);
     over.append(draft);
     board.hover(null, null);
     say(`Cord from ${board.nameOf(fixed)}: choose an ${hand.want}put. Escape cancels.`);
@@ -55,26 +55,30 @@ export function mountPatching(board) {
     hand.fixed.node.classList.remove('is-held');
     hand.node?.classList.remove('is-lifted');
     draft.remove();
-    ring?.remove();
+    mark(null);
     hand = null;
     delete canvas.dataset.want;
     say('');
   }
+  /** Marks the jack into which a plug would go. */
+  function mark(goal) {
+    canvas.querySelector('.is-aim')?.classList.remove('is-aim', 'is-wrong');
+    goal?.node.classList.add('is-aim', goal.type === hand.want ? 'is-aim' : 'is-wrong');
+  }
   /** Draws the cord in the hand to a jack or a point. */
   function aim(goal, point = goal) {
-    ring?.remove();
-    ring = goal && board.ring(goal, goal.type === hand.want ? 'aim' : 'aim is-wrong');
-    for (const path of draft.querySelectorAll('path')) path.setAttribute('d', curve(hand.fixed, point));
-    draft.lastChild.setAttribute('transform', `translate(${point.x} ${point.y})`);
+    mark(goal);
+    lay(draft, hand.fixed, point);
   }
   function plugInto(goal) {
     const { fixed, want, cord, id } = hand;
     release();
     if (goal === fixed || (cord && Object.values(keysOf(cord)).includes(goal.key))) return;
+    const [output, input] = want === 'in' ? [fixed, goal] : [goal, fixed];
     if (goal.type !== want) board.bubble(`Both are ${goal.type}puts. A cord goes from an output to an input.`, goal);
     else if (id !== undefined) send({ command: 'plug-loose', id, to: endOf(goal) });
     else if (cord) send({ command: 'move-cord', ...cord, to: endOf(goal) });
-    else send({ command: 'plug', ...want === 'in' ? { from: fixed.output, ...endOf(goal) } : { from: goal.output, ...endOf(fixed) } });
+    else send({ command: 'plug', from: output.output, ...endOf(input) });
   }
   /** Leaves the cord where it is dropped. */
   function drop({ x, y }) {
@@ -106,8 +110,10 @@ export function mountPatching(board) {
     release();
     board.focus(key);
     if (knob) highlight({ element: knob, setting: 'setting' });
-    const one = stop(key);
-    if (one?.type === 'free' && !isBusy && !isLocked()) board.add(one.section);
+    if (!isBusy) fillFree(stop(key));
+  }
+  function fillFree(one) {
+    if (one?.type === 'free' && !isLocked()) board.add(one.section);
   }
 
   const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
@@ -176,7 +182,7 @@ export function mountPatching(board) {
       if (hand && isJack(goal)) aim(goal);
     } else if (name === 'Enter' || name === ' ') {
       if (isJack(one) || one.type === 'loose') choose(one);
-      else if (one.type === 'free' && !isLocked()) board.add(one.section);
+      else fillFree(one);
     } else if (name === 'Delete' || name === 'Backspace') {
       if (one.type !== 'free' && !isLocked()) remove(one);
     } else return false;

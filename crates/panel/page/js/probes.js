@@ -1,7 +1,6 @@
 /** Probes: where they are, and the menu that places them. */
 
-import { openDialog } from './dialogs.js';
-import { button, el, float, quantity } from './dom.js';
+import { button, byId, el, float, quantity } from './dom.js';
 import { emit, isProbing, on, probed, send, state } from './state.js';
 
 /** Where the meters are. The event `meter` connects one: meters.js sends the command. */
@@ -57,18 +56,18 @@ export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
     probed(output);
     return;
   }
+  const menu = byId('probe-menu');
   const items = probes().map(({ name, look, output: now, connect }) => button(name, () => {
     connect(now === output ? null : output);
     menu.close();
   }, { 'aria-pressed': String(now === output), 'data-look': look }));
-  const menu = openDialog(outputName(output), items, {
-    class: 'probe-menu',
-    onclick: ({ target }) => target === menu && menu.close(),
-    onkeydown({ key }) {
-      const by = { ArrowDown: 1, ArrowUp: -1 }[key];
-      if (by) items.at((items.indexOf(document.activeElement) + by) % items.length).focus();
-    },
-  });
+  menu.replaceChildren(el('h2', { id: 'probe-title' }, outputName(output)), ...items);
+  menu.onclick = ({ target }) => { if (target === menu) menu.close(); };
+  menu.onkeydown = ({ key }) => {
+    const by = { ArrowDown: 1, ArrowUp: -1 }[key];
+    if (by) items.at((items.indexOf(document.activeElement) + by) % items.length).focus();
+  };
+  menu.showModal();
   const box = at.getBoundingClientRect();
   float(menu, clientX || box.left, (clientY || box.bottom) + 6);
 }
