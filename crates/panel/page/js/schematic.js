@@ -1,6 +1,7 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { fill, svg, within, write } from './dom.js';
+import { fill, minus, shape, svg, within, write } from './dom.js';
+import { lookOf } from './lamps.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
 import { emit, highlight, on, state } from './state.js';
@@ -20,7 +21,7 @@ const TOOLS = 40;
 const RINGED = 4000;
 
 /** A primitive as `Schematic::to_live_json` has it. */
-function shape([form, ink, ...rest]) {
+function primitive([form, ink, ...rest]) {
   const line = { class: `ink-${ink}`, fill: 'none', 'stroke-width': rest[0] };
   const filled = { class: `fill-${ink}` };
   const circle = (look, [cx, cy, r]) => svg('circle', { ...look, cx, cy, r });
@@ -40,7 +41,7 @@ const around = ([left, top, right, bottom], by, look) =>
 
 function symbolNode({ name, area: [left, top, right, bottom], primitives, outputs: [output] }) {
   return svg('g', { class: 'symbol', 'data-element': name, 'data-output': output?.name },
-    around([left, top, output ? output.from[0] - 2 : right, bottom], 5, 'hit'), primitives.map(shape));
+    around([left, top, output ? output.from[0] - 2 : right, bottom], 5, 'hit'), primitives.map(primitive));
 }
 
 /** The lines of an output: the piece at the symbol, then those of its net. */
@@ -59,8 +60,8 @@ function outputNode({ name, from: [left, y], at: [right] }) {
 
 /** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
 function voltsText(volts) {
-  const text = Math.abs(volts).toFixed(2);
-  return Number(text) === 0 ? '0.00' : `${volts < 0 ? '−' : '+'}${text}`;
+  const text = minus(volts.toFixed(2));
+  return Math.abs(volts) < 0.005 ? '0.00' : (volts > 0 ? '+' : '') + text;
 }
 
 /** Shows the schematic. @param {HTMLElement} root */
@@ -96,17 +97,16 @@ export function mountSchematic(root) {
     if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
     if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
   };
-  on('frame', ({ volts, lamps, firstLamp }) => {
+  on('frame', (frame) => {
     const now = performance.now();
     if (now - last < SHOWN || !picture.clientWidth) return;
     last = now;
     const scale = full();
     for (const cell of cells.values()) {
-      const value = volts[cell.index];
+      const value = frame.volts[cell.index];
       if (value === undefined) continue;
       const steps = Math.min(LEVELS, Math.ceil(Math.abs(value) / scale * LEVELS - 0.04));
-      const lamp = !lamps[cell.index] ? '' : firstLamp === cell.index ? 'first' : 'lit';
-      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp });
+      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp: lookOf(frame, cell.index) });
     }
     showInfo();
   });
@@ -188,9 +188,11 @@ export function mountSchematic(root) {
   // Probes, findings, and places to which something points.
 
   let [ring, timer] = [null, 0];
+  /** The area of an element, or its jack. */
   const spot = ({ element, jack }) => {
     const symbol = drawing?.symbols.find(({ name }) => name === element);
-    return symbol && { area: symbol.area, at: symbol.inputs.find((each) => each.jack === jack)?.at };
+    const at = symbol?.inputs.find((each) => each.jack === jack)?.at;
+    return symbol && { at, area: at ? [...at, ...at] : symbol.area };
   };
   const showMarks = () => {
     const counts = new Map();
@@ -200,28 +202,29 @@ export function mountSchematic(root) {
       // The outputs of an instance are close to each other, so that the tips are at the ends of their wires.
       const { port, at, from } = cells.get(output).output;
       const [x, y] = port ? [at[0], at[1] + 21] : from;
-      const right = x + 24 * count(output);
-      return svg('g', { class: 'tip', 'data-look': look, role: 'img', 'aria-label': `${name} at ${outputName(output)}` },
-        svg('title', null, name), !port && svg('path', { class: 'needle', d: `M${x + 1.5} ${y}v-14` }),
-        svg('rect', { x: right - 1.5, y: y - 28, width: 22, height: 14, rx: 7 }), svg('text', { x: right + 9.5, y: y - 17.5 }, mark));
+      const right = 24 * count(output);
+      const tip = fill(shape('tip'), {
+        'data-look': look, 'data-bare': port || right > 0, 'aria-label': `${name} at ${outputName(output)}`, transform: `translate(${x + right} ${y})`,
+      }, [svg('title', null, name)]);
+      tip.querySelector('text').textContent = mark;
+      return tip;
     });
     const flags = state.findings.map(({ severity, message: text, place: where }) => {
-      const found = where?.element && spot(where);
-      if (!found) return null;
-      const [x, y] = found.at ?? [found.area[0] + 4, found.area[1] + 4];
+      const { at, area } = (where?.element && spot(where)) || {};
+      if (!area) return null;
+      const [x, y] = at ?? [area[0] + 4, area[1] + 4];
       const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${placeName(where)}: ${text}`;
-      return svg('g', { class: `flag ${severity}`, role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})` },
-        svg('title', null, text), svg('path', { d: 'M0-8.5 8.5 6.5H-8.5Z' }), svg('text', { y: 5 }, '!'));
+      return fill(shape(`mark-${severity}`), { role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})` },
+        [svg('title', null, text)]);
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
   for (const name of ['scopes', 'meter', 'findings']) on(name, showMarks);
   on('highlight', (where) => {
-    const found = where.element && spot(where);
-    if (!found) return;
-    const { at, area } = found;
-    const [left, top, right, bottom] = at ? [...at, ...at] : area;
-    ring = around([left, top, right, bottom], at ? 13 : 8, 'ring');
+    const { at, area } = (where.element && spot(where)) || {};
+    if (!area) return;
+    const [left, top, right, bottom] = area;
+    ring = around(area, at ? 13 : 8, 'ring');
     showMarks();
     zoom.reveal({ x: (left + right) / 2, y: (top + bottom) / 2 });
     if (!root.hidden && !where.setting) root.scrollIntoView({ block: 'nearest' });

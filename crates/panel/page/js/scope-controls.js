@@ -5,12 +5,12 @@ import { fillOutputs } from './probes.js';
 
 const [LEAST_VOLTS, MOST_VOLTS] = [0.01, 50];
 /** The steps of a decade: at 25 volts per division, the machine unit is at the edge of the screen. */
-const [TIMES, VOLTS] = [[1, 2, 5], [1, 2, 2.5, 5]];
+const STEPS = [1, 2, 2.5, 5];
 
 /** The round values of a range. */
-export function series(first, last, round) {
+export function series(first, last) {
   const values = [];
-  for (let decade = Math.floor(Math.log10(first)); 10 ** decade <= last; decade += 1) values.push(...round.map((step) => Number(`${step}e${decade}`)));
+  for (let decade = Math.floor(Math.log10(first)); 10 ** decade <= last; decade += 1) values.push(...STEPS.map((step) => Number(`${step}e${decade}`)));
   return values.filter((value) => value >= first * (1 - 1e-9) && value <= last * (1 + 1e-9));
 }
 
@@ -28,13 +28,11 @@ function setVolts(channel, volts) {
   setPosition(channel, position);
 }
 
-/** Options of a list: round values in a unit, with what one of it is in the unit of the list. */
-const steps = (values, unit, perUnit = 1) => values.map((value) => el('option', { value: value / perUnit }, `${quantity(value, unit, 3)}/div`));
-
 /** Fills a list of volts per division: round units if the voltage stands for a quantity, and round volts. */
 function fillVolts(list, output) {
   const group = (unit, perVolt) => el('optgroup', { label: `${unit} per division` },
-    steps(series(LEAST_VOLTS * perVolt, MOST_VOLTS * perVolt, VOLTS), unit, perVolt));
+    series(LEAST_VOLTS * perVolt, MOST_VOLTS * perVolt)
+      .map((value) => el('option', { value: value / perVolt }, `${quantity(value, unit, 3)}/div`)));
   list.replaceChildren(...output?.signal ? [group(output.unit, Math.abs(output.per_volt))] : [], group('V', 1));
 }
 
@@ -64,10 +62,9 @@ function placeOf(controls, { dataset }) {
  * @returns {{update: Function, step: Function}} `update` shows controls; with a patch, it makes the lists of probes again.
  *   `step` sets the scale of a channel, or the time base, to the round value that is next to a value.
  */
-export function mountControls({ controls: root, base, trigger, summary, erase }, model, change, act) {
+export function mountControls({ controls: root, base, summary }, model, change, act) {
   const inputs = [...root.querySelectorAll('[data-set]')];
   const scales = inputs.filter(({ dataset }) => dataset.set.endsWith('volts_per_division'));
-  base.append(el('option', { value: 0 }, 'one sweep'), ...steps(series(1e-6, 1000, TIMES), 's'));
   const set = (control, controls) => {
     const [owner, key] = placeOf(controls, control);
     const isText = !/number|boolean|undefined/.test(typeof owner[key]);
@@ -96,7 +93,6 @@ export function mountControls({ controls: root, base, trigger, summary, erase },
   };
   const update = (controls, patch) => {
     const { display, trigger: { mode, level, rising } } = controls;
-    const isTime = display === 'time';
     for (const control of inputs) {
       const [owner, key] = placeOf(controls, control);
       const channel = controls.channels.indexOf(owner);
@@ -111,13 +107,10 @@ export function mountControls({ controls: root, base, trigger, summary, erase },
       else if (control.localName === 'select') select(control, value ?? '', typeof value === 'number' ? quantity(value, channel < 0 ? 's' : 'V', 3) : value);
       else control.value = Number(value.toPrecision(6));
       if (key === 'position') control.setAttribute('aria-valuetext', quantity(value, 'divisions', 2));
-      if (owner === controls.trigger && key !== 'mode') control.parentElement.hidden = mode === 'run';
     }
-    root.querySelectorAll('b').forEach((name, channel) => write(name, isTime ? String(channel + 1) : 'XY'[channel]));
-    base.hidden = trigger.hidden = !isTime;
+    root.dataset.display = display;
     const names = { run: 'Trigger: run', level: 'Trigger: ', 'single-shot': 'Single: ' };
     write(summary, names[mode] + (mode === 'run' ? '' : `${quantity(level, 'V', 3)} ${rising ? '↗' : '↘'}`));
-    write(erase, isTime && mode === 'single-shot' ? 'Erase and arm' : 'Erase');
   };
   return { step, update };
 }

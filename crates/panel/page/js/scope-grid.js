@@ -7,8 +7,6 @@ import { nameOf, reading } from './probes.js';
 export const [ACROSS, UP] = [10, 8];
 /** Volts at which amplifiers overload. */
 export const FULL_SCALE = 100 * (1 - 1e-6);
-/** Pixels between the lines of an overload zone. */
-const HATCH = 9;
 
 /**
  * Place of the graticule in pixels. Divisions of an X-Y screen are square, so that a circle is a circle. Those of a
@@ -31,11 +29,11 @@ export function scales({ x, y, across, up, dx, dy }, { display, channels }) {
   });
 }
 
-/** Limits drawing to a rectangle, at first to the graticule. */
-export function clip(context, { x, y, across, up }, rect = [x, y, across + 1, up + 1]) {
+/** Limits drawing to the graticule. */
+export function clip(context, { x, y, across, up }) {
   context.save();
   context.beginPath();
-  context.rect(...rect);
+  context.rect(x, y, across + 1, up + 1);
   context.clip();
 }
 
@@ -54,8 +52,8 @@ export function drawGrid(context, scene) {
   const { x, y, across, up, dx, dy, width } = view;
   const { size } = colours;
   const isPlane = controls.display === 'plane';
-  const lines = (strokeStyle, globalAlpha, list) => {
-    Object.assign(context, { globalAlpha, strokeStyle, lineWidth: 1 });
+  const lines = (strokeStyle, globalAlpha, list, lineWidth = 1) => {
+    Object.assign(context, { globalAlpha, strokeStyle, lineWidth });
     context.beginPath();
     for (const [x1, y1, x2, y2] of list) {
       context.moveTo(x1, y1);
@@ -72,10 +70,10 @@ export function drawGrid(context, scene) {
   lines(colours.ink, 0.5, [upright(ACROSS / 2), level(UP / 2),
     ...range(5 * ACROSS, (at) => upright(at / 5, cy - 3, cy + 3)), ...range(5 * UP, (at) => level(at / 5, cx - 3, cx + 3))]);
 
-  const text = writer(context, scene, size);
   scales(view, controls).forEach(({ isX, gain, zero }, channel) => {
     const output = outputs[channel];
     if (!output) return;
+    const text = writer(context, scene, size);
     const colour = isPlane ? colours.ink : colours.traces[channel];
     const volts = controls.channels[channel].volts_per_division;
     const name = `${isPlane ? 'XY'[channel] : channel + 1}  `;
@@ -87,18 +85,16 @@ export function drawGrid(context, scene) {
     if (!isPlane && zero > y && zero < y + up) text('►', 'right', x, zero + 0.35 * size, colour);
     for (const limit of [FULL_SCALE, -FULL_SCALE]) {
       const [start, end] = isX ? [x, x + across] : [y, y + up];
-      const limited = zero + gain * limit;
-      const [from, to] = gain * limit > 0 ? [Math.max(start, limited), end] : [start, Math.min(end, limited)];
-      if (to <= from) continue;
-      clip(context, view, isX ? [from, y, to - from, up] : [x, from, across, to - from]);
-      // The channels slant differently, so that both remain visible where they overlap.
-      const [low, high] = channel ? [y, y + up] : [y + up, y];
-      lines(colours.bad, 0.4, [isX ? [limited, y, limited, y + up] : [x, limited, x + across, limited],
-        ...range((across + up) / HATCH, (at) => [x - up + HATCH * at, low, x + HATCH * at, high])]);
-      context.restore();
+      const edge = zero + gain * limit;
+      const [from, to] = gain * limit > 0 ? [Math.max(start, edge), end] : [start, Math.min(end, edge)];
+      const line = (at) => [isX ? [at, y, at, y + up] : [x, at, x + across, at]];
+      if (to - from < 1) continue;
+      lines(colours.bad, 0.5, line(edge));
+      lines(colours.bad, 0.14, line((from + to) / 2), to - from);
     }
   });
   if (isPlane) return;
+  const text = writer(context, scene, size);
   const bottom = y + up + 1.25 * size;
   text(`t = ${quantity(trace.left, 's')}`, 'left', x, bottom);
   text(`${quantity(span / ACROSS, 's', 3)}/div`, 'center', cx, bottom);

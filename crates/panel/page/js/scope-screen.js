@@ -66,38 +66,38 @@ class Beam {
 
 /**
  * Draws a trace against time. In each column it goes to the end that is near, then to the other one. The longer this way,
- * the darker it is.
+ * the darker it is. Returns where it ends.
  */
 function drawColumns(context, scene, columns, channel, from, to, strength) {
   const { view, model } = scene;
   const { gain, zero } = scales(view, model.controls)[channel];
   const width = view.across / model.trace.total;
   const beam = new Beam(context, scene, channel, strength);
-  let [way, rise, bright, y] = [0, 0, LEVELS - 1, NaN];
+  let [way, rise, bright, x, y] = [0, 0, LEVELS - 1, view.x + from * width, NaN];
   for (let at = from; at < to; at += 1) {
     const [low, high] = [columns[2 * at], columns[2 * at + 1]];
     let [start, end] = [zero + gain * low, zero + gain * high];
     if (Math.abs(start - y) > Math.abs(end - y)) [start, end] = [end, start];
     const length = Math.hypot(width, end - start);
-    const before = y;
-    y = end;
+    const [before, left] = [y, x];
+    [x, y] = [left + width, end];
     if (length !== length) continue;
     const level = LEVELS - 1 - 0.8 * Math.log2(length / width);
     // Brightness follows slowly, so that a smooth trace is not a chain of pieces.
     if (Math.abs(level - bright) > 0.9) bright = Math.max(0, Math.round(level));
     const shade = model.lit[channel] && (high >= FULL_SCALE || low <= -FULL_SCALE) ? LEVELS : bright;
-    const x = view.x + at * width;
     const turns = rise * (end - start) < 0;
     rise = end - start;
     // The second channel is dashed along its way, where it is smooth.
     if (channel === 0 || turns || length > DASH || way % PERIOD < DASH) {
       if (Math.abs(start - before) < 1) start = before;
-      else if (before === before) beam.line(x, before, x, start, shade);
-      beam.line(x, start, x + width, end, shade);
+      else if (before === before) beam.line(left, before, left, start, shade);
+      beam.line(left, start, x, end, shade);
     }
     way += length;
   }
   beam.end();
+  return [x, y];
 }
 
 /** Draws X-Y curves. It keeps the place of the beam, so that a curve can be drawn as it grows. */
@@ -151,15 +151,16 @@ function darken(context, { x, y, across, up }, globalAlpha) {
   context.globalCompositeOperation = 'source-over';
 }
 
-/** The present trace, and the one before where the present one has not arrived. */
+/** The present trace, and the one before where the present one has not arrived. Returns where the beams are, if they can be seen to move. */
 function drawLive(context, scene) {
   const { outputs, trace: { total, reached, period, columns } } = scene.model;
   const isSteady = period < STEADY;
   const next = reached + (isSteady || reached === 0 ? 0 : Math.ceil(total / 100));
-  columns.forEach((each, channel) => {
-    if (!outputs[channel]) return;
+  return columns.map((each, channel) => {
+    if (!outputs[channel]) return [];
     drawColumns(context, scene, each, channel, next, total, isSteady ? 1 : DIM);
-    drawColumns(context, scene, each, channel, 0, reached, 1);
+    const end = drawColumns(context, scene, each, channel, 0, reached, 1);
+    return isSteady || reached >= total ? [] : end;
   });
 }
 
@@ -178,7 +179,7 @@ export function drawTraces(old, live, scene, pen = new Pen()) {
     for (let at = trace.finished; at < trace.count; at += 2000) pen.draw(live, scene, at, Math.min(at + 2000, trace.count), 1);
   } else {
     for (const entry of trace.stored) drawStored(old, scene, entry);
-    drawLive(live, scene);
+    scene.beams = drawLive(live, scene);
   }
 }
 
@@ -187,6 +188,8 @@ export class Screen {
   view = layout(10, 10, 1);
   isStale = true;
   pen = new Pen();
+  /** Where the beams of a trace against time are. */
+  beams = [[], []];
   /** The trace as it is drawn: its counts, the points of its present curve, its last stored trace. */
   drawn = {};
   /** The clock of the trace at the last step of fading. */
@@ -231,7 +234,7 @@ export class Screen {
       else {
         if (newest && newest !== drawn.newest) drawStored(old, this, newest);
         this.clear(live);
-        drawLive(live, this);
+        this.beams = drawLive(live, this);
       }
     }
     this.isStale = false;
@@ -271,15 +274,8 @@ export class Screen {
 
   /** Place of a channel's spot; null if it is not on the screen. */
   spot(channel) {
-    const { view, pen, model: { trace, controls, outputs } } = this;
-    let { x, y } = channel ? {} : pen;
-    if (!trace.plane) {
-      const { total, reached, period } = trace;
-      if (!outputs[channel] || reached === 0 || reached >= total || period < STEADY) return null;
-      const { gain, zero } = scales(view, controls)[channel];
-      x = view.x + (view.across * reached) / total;
-      y = zero + gain * trace.valueAt(channel, (reached - 0.5) / total);
-    }
-    return within(0, x - view.x, view.across) === x - view.x && within(0, y - view.y, view.up) === y - view.y ? [x, y] : null;
+    const { view, pen, beams, model: { trace } } = this;
+    const [x, y] = trace.plane ? [[pen.x, pen.y], []][channel] : beams[channel];
+    return x > view.x && x - view.x < view.across && y > view.y && y - view.y < view.up ? [x, y] : null;
   }
 }

@@ -62,8 +62,8 @@ test('The period of a sine', () => {
 });
 
 test('Steps are round values from the first to the last', () => {
-  assert.deepEqual(series(0.002, 1, [1, 2, 5]), [0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]);
-  assert.deepEqual(series(3, 50, [1, 2, 2.5, 5]), [5, 10, 20, 25, 50]);
+  assert.deepEqual(series(0.002, 0.1), [0.002, 0.0025, 0.005, 0.01, 0.02, 0.025, 0.05, 0.1]);
+  assert.deepEqual(series(3, 50), [5, 10, 20, 25, 50]);
 });
 
 test('Readings', () => {
