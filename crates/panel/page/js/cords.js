@@ -1,6 +1,6 @@
 /** The cords of the patch panel: their colours, their curves and their plugs. */
 
-import { svg } from './dom.js';
+import { keyed, shape } from './dom.js';
 
 const COLOURS = 8;
 /** The references have the same colours in every patch. */
@@ -41,8 +41,8 @@ function colours(cords, jacks) {
   return found;
 }
 
-/** A hanging cord. Its sag and its bow depend on its name, so that cords do not cover each other. */
-export function curve(a, b, name = '') {
+/** The path of a hanging cord. Its sag and its bow depend on its name, so that cords do not cover each other. */
+function curve(a, b, name = '') {
   const [dx, dy] = [b.x - a.x, b.y - a.y];
   const sag = Math.min(22 + Math.hypot(dx, dy) * 0.26, 150) * (0.75 + hash(name) / 2);
   const bow = (hash(`${name}~`) - 0.5) * Math.min(Math.abs(dy) / 2, 120);
@@ -50,14 +50,13 @@ export function curve(a, b, name = '') {
   return `M${a.x} ${a.y}C${at(0.2)} ${at(0.8)} ${b.x} ${b.y}`;
 }
 
-const disc = (kind, r, more) => svg('circle', { class: kind, r, ...more });
-const plug = ({ x, y }) => svg('g', { transform: `translate(${x} ${y})` },
-  disc('plug-shade', 9, { cx: 1.5, cy: 3 }), disc('plug-body', 8.5), disc('', 8.5, { fill: 'url(#board-shine)' }), disc('plug-core', 3.2));
+/** The class of a cord with a colour. A loose cord from an input has none of its own. */
+export const cordClass = (colour = 4) => `cord cord-${colour + 1}`;
 
-/** A picture of a cord between two points. */
-export function drawCord(a, b, { name, colour = 4, ...attributes }) {
-  const path = (part) => svg('path', { class: `cord-${part}`, d: curve(a, b, name), transform: part === 'shade' && 'translate(2 6)' });
-  return svg('g', { class: `cord cord-${colour + 1}`, ...attributes }, ['shade', 'body', 'shine', 'hit'].map(path), plug(a), plug(b));
+/** Puts the curves and the plugs of a cord between two points. */
+export function lay(node, a, b, name) {
+  for (const path of node.querySelectorAll('path')) path.setAttribute('d', curve(a, b, name));
+  [a, b].forEach(({ x, y }, end) => node.children[4 + end].setAttribute('transform', `translate(${x} ${y})`));
 }
 
 /**
@@ -78,9 +77,11 @@ export function drawCords({ elements, loose }, jacks) {
     return jack && { x: jack.x + height * STACKED, y: jack.y - height * STACKED, jack };
   }
   function add(key, name, a, b, data) {
-    const node = drawCord(a, b, { name, colour: found.get(data.output), role: 'button', tabindex: -1, 'data-key': key });
-    stops.set(key, { key, node, name, ...data, length: Math.hypot(a.x - b.x, a.y - b.y) });
-    return stops.get(key);
+    const node = shape('cord', { class: cordClass(found.get(data.output)), ...keyed(key) });
+    lay(node, a, b, name);
+    const one = { key, node, name, ...data, length: Math.hypot(a.x - b.x, a.y - b.y) };
+    stops.set(key, one);
+    return one;
   }
   for (const cord of cords) {
     const { from, element, jack } = cord;

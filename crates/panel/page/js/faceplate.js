@@ -1,6 +1,6 @@
 /** The faceplate of a machine: where its modules and jacks are, and their picture. */
 
-import { quantity, svg } from './dom.js';
+import { keyed, quantity, shape, svg } from './dom.js';
 
 const [PITCH, ROW, PAD, GAP, MARGIN, HEAD] = [28, 46, 9, 14, 24, 44];
 /** Sections become wider by at most this factor, so that a row fills the panel. */
@@ -115,13 +115,10 @@ function caption({ kind, settings }, name) {
 }
 
 const move = ([x, y]) => ({ transform: `translate(${x} ${y})` });
-const circle = (kind, r, more) => svg('circle', { class: kind, r, ...more });
 /** A text, compressed if it is too long for its room. */
 function text(kind, x, y, content = '', room = Infinity, size = 6.1) {
   return svg('text', { class: kind, x, y, ...content.length * size > room && { textLength: room, lengthAdjust: 'spacingAndGlyphs' } }, content);
 }
-/** Something that can have the focus, if it has a key. */
-const stop = (key, attributes, ...children) => svg('g', { ...attributes, ...key && { role: 'button', tabindex: -1, 'data-key': key } }, children);
 
 /**
  * Draws a faceplate. `stops` are jacks, modules and free places by their keys; `live` is what changes in a run.
@@ -134,8 +131,10 @@ export function draw(plate, patch, kinds) {
   const [outs, lamps] = [[], []];
   function drawJack({ x, y, ...data }, name, label) {
     const key = name && `${data.type}:${name}`;
-    const node = stop(key, { class: `jack ${data.type}`, ...move([x, y]) }, circle('collar', 10.5), circle('', 7.5, { fill: 'url(#board-metal)' }), circle('hole', 4),
-      label && text('jack-label', 0, -15, label, 27));
+    const { most, cords } = data.view ?? {};
+    const isFull = most !== null && most <= cords?.length;
+    const node = shape('jack', { class: `jack ${data.type}${isFull ? ' is-full' : ''}`, ...move([x, y]), ...keyed(key) });
+    if (label) node.append(text('jack-label', 0, -15, label, 27));
     if (key) stops.set(key, { key, node, x, y, ...data });
     if (key && data.type === 'out') outs.push({ name, node: text('volts', x, y + 25) });
     return node;
@@ -143,22 +142,22 @@ export function draw(plate, patch, kinds) {
   function drawModule({ element, output, helps, part, at, w, h, jacks, outs: own, knob }, section, index) {
     const type = element ? 'module' : output || helps ? null : 'free';
     const key = type && `${type}:${element?.name ?? section.title + index}`;
-    const face = stop(key, { class: 'plate' }, svg('rect', { width: w, height: h, rx: 4 }),
+    const face = svg('g', { class: 'plate', ...keyed(key) }, svg('rect', { width: w, height: h, rx: 4 }),
       text('name', 9, 18, element?.name ?? plate.references[output] ?? part, w - (element?.lamp ? 32 : 14), 8));
     if (key) stops.set(key, { key, node: face, type, element, section, x: at[0] + 24, y: at[1] + 14, box: [...at, w, h] });
-    if (element?.lamp) lamps.push({ output: element.outputs[0], node: circle('bulb', 5, move([at[0] + w - 14, at[1] + 13])) });
+    if (element?.lamp) lamps.push({ output: element.outputs[0], node: svg('circle', { class: 'bulb', r: 5, ...move([at[0] + w - 14, at[1] + 13]) }) });
     const line = element ? caption(element, section.add !== element.kind && element.kind.replaceAll('-', ' ')) : helps && `of ${helps}`;
-    const turn = 300 * (element?.settings.find(({ name }) => name === 'setting')?.value ?? 0) - 150;
+    const pot = knob && shape('pot', { 'data-knob': element?.name, ...move(knob) });
+    pot?.lastElementChild.setAttribute('transform', `rotate(${300 * (element?.settings.find(({ name }) => name === 'setting')?.value ?? 0) - 150})`);
     return svg('g', { class: `module${element || output ? '' : helps ? ' is-helper' : ' is-free'}` },
       svg('g', move(at), face, knob ? text('caption is-middle', knob[0], knob[1] + 28, line || '') : text('caption', 9, 33, line || '', w - 14),
-        knob && svg('g', { class: 'pot', 'data-knob': element?.name, ...move(knob) }, circle('skirt', 16), circle('', 12.5, { fill: 'url(#board-cap)' }),
-          svg('path', { d: 'M0-3V-12', transform: `rotate(${turn})` }))),
+        pot),
       jacks.map((jack) => drawJack(jack, element && `${element.name}.${jack.jack}`, jack.view.label !== 'in' && element && jack.view.label)),
       own.map((out) => drawJack(out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
   }
   const panel = (attributes) => svg('rect', { width, height, rx: 12, ...attributes });
-  const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map((at, turn) =>
-    svg('g', move(at), circle('', 6, { fill: 'url(#board-metal)' }), svg('path', { class: 'slot', d: 'M-5 0H5', transform: `rotate(${turn * 53})` })));
+  const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map(([x, y], turn) =>
+    shape('screw', { transform: `translate(${x} ${y}) rotate(${turn * 53})` }));
   const node = svg('g', { class: `faceplate ${plate.class}` }, panel({ class: 'panel' }), panel({ fill: 'url(#board-sheen)' }), screws,
     text('make', MARGIN + 6, 29, plate.title), text('small-print', width - MARGIN - 6, height - 12, plate.note),
     sections.map((section) => svg('g', { class: `section ${section.class}` },
