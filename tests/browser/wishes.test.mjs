@@ -231,8 +231,9 @@ test('wish 9: time base, trigger, two cursors, X-Y with persistence, CSV with a 
     const x = 80 * Math.cos(w * time);
     assert.ok(low - 0.01 <= x && x <= high + 0.01, `x at ${time} s is ${x}, not from ${low} to ${high}`);
   });
-  await scope.getByRole('button', { name: 'Time base: less' }).click();
+  await scope.getByLabel('Time base').selectOption('0.2');
   await until('200 ms/div', async () => (await stateOf(page)).scopes[0].seconds_per_division === 0.2);
+  await scope.locator('summary', { hasText: 'Trigger' }).click();
   await scope.getByLabel('A trace begins with').selectOption('level');
   await scope.getByLabel('Slope').selectOption('falling');
   await until('the trigger', async () => {
@@ -251,6 +252,7 @@ test('wish 9: time base, trigger, two cursors, X-Y with persistence, CSV with a 
   await page.keyboard.press('ArrowLeft');
   await until('the cursor moves', async () => (await reading()) !== first);
   await scope.getByLabel('Display').selectOption('X-Y');
+  await scope.locator('summary', { hasText: 'More' }).click();
   await scope.getByLabel('Persistence').selectOption('2');
   await until('X-Y with persistence', async () => {
     const { display, persistence } = (await stateOf(page)).scopes[0];

@@ -155,14 +155,18 @@ export function draw(plate, patch, kinds) {
       jacks.map((jack) => drawJack(jack, element && `${element.name}.${jack.jack}`, jack.view.label !== 'in' && element && jack.view.label)),
       own.map((out) => drawJack(out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
   }
+  function drawFrame({ x, y, w, h, title, class: kind }) {
+    const frame = shape('section', { class: `section ${kind}`, ...move([x, y]) });
+    frame.firstElementChild.setAttribute('width', w);
+    frame.firstElementChild.setAttribute('height', h);
+    frame.lastElementChild.textContent = title;
+    return frame;
+  }
   const panel = (attributes) => svg('rect', { width, height, rx: 12, ...attributes });
   const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map(([x, y], turn) =>
     shape('screw', { transform: `translate(${x} ${y}) rotate(${turn * 53})` }));
   const node = svg('g', { class: `faceplate ${plate.class}` }, panel({ class: 'panel' }), panel({ fill: 'url(#board-sheen)' }), screws,
     text('make', MARGIN + 6, 29, plate.title), text('small-print', width - MARGIN - 6, height - 12, plate.note),
-    sections.map((section) => svg('g', { class: `section ${section.class}` },
-      svg('rect', { class: 'frame', x: section.x, y: section.y, width: section.w, height: section.h, rx: 7 }),
-      svg('rect', { class: 'stripe', x: section.x + 9, y: section.y + 8, width: 10, height: 10, rx: 2 }),
-      text('section-title', section.x + 25, section.y + 17, section.title), section.modules.map((module, index) => drawModule(module, section, index)))));
+    sections.flatMap((section) => [drawFrame(section), ...section.modules.map((module, index) => drawModule(module, section, index))]));
   return { node, live: [...outs, ...lamps].map((one) => one.node), stops, outs, lamps, width, height };
 }
