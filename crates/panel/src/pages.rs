@@ -182,6 +182,7 @@ pub const PAGES: &[Page] = pages![
     "js/share.js",
     "js/state.js",
     "js/theme.js",
+    "js/zoom.js",
     "pictures/lessons/bouncing-ball.svg",
     "pictures/lessons/driven-oscillator.svg",
     "pictures/lessons/heat-rod.svg",

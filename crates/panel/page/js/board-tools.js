@@ -104,10 +104,7 @@ export function mountTools(board) {
     else list.children[at]?.click();
   };
   palette.onclick = ({ target }) => { if (target === palette) palette.close(); };
-  root.onclick = ({ target }) => {
-    run[target.dataset.do]?.();
-    if (target.dataset.zoom) board.zoom(Number(target.dataset.zoom));
-  };
+  root.onclick = ({ target }) => run[target.dataset.do]?.();
   slider.value = stored('board.look') ?? 0.65;
   slider.oninput = () => canvas.style.setProperty('--look', stored('board.look', slider.value));
   slider.oninput();

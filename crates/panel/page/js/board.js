@@ -8,6 +8,7 @@ import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
 import { mountPatching } from './patching.js';
 import { on, send, state } from './state.js';
+import { Zoom } from './zoom.js';
 
 /** Milliseconds between two changes of the voltages. */
 const PERIOD = 100;
@@ -26,42 +27,13 @@ export function mountBoard(root) {
   let drawn = { stops: new Map(), outs: [], lamps: [], width: 1000, height: 600 };
   let cords = { stops: new Map() };
   let [notes, index] = [new Map(), new Map()];
-  let [x, y, scale, width, height] = [0, 0, 0, 0, 0];
-  let [isFitted, isShown] = [true, false];
-  let [tipped, current, last, timer] = [null, null, 0, 0];
+  let [isShown, tipped, current, last, timer] = [false, null, null, 0, 0];
+  const zoom = new Zoom(root, [canvas, live], 20, READABLE, () => showTip(tipped));
 
   const stop = (key) => drawn.stops.get(key) ?? cords.stops.get(key);
   const say = (text) => { status.textContent = text; };
   const isVisible = () => root.offsetParent !== null;
   const hasFocus = () => canvas.contains(document.activeElement);
-
-  // The part of the panel that is in sight.
-  function show() {
-    const within = (at, size, whole) => (size > whole + 40 ? (whole - size) / 2 : Math.min(Math.max(at, -20), whole + 20 - size));
-    [x, y] = [within(x, width / scale, drawn.width), within(y, height / scale, drawn.height)];
-    for (const picture of [canvas, live]) picture.setAttribute('viewBox', `${x} ${y} ${width / scale} ${height / scale}`);
-    showTip(tipped);
-  }
-  /** Changes the scale about a point in pixels; without a factor, the whole panel is shown. */
-  function zoom(factor, px = width / 2, py = height / 2, least = 0) {
-    const whole = Math.min(width / (drawn.width + 40), height / (drawn.height + 40));
-    const next = factor ? Math.min(Math.max(scale * factor, whole * 0.9), 4) : Math.max(whole, least);
-    [x, y, scale, isFitted] = factor ? [x + px / scale - px / next, y + py / scale - py / next, next, false] : [-20, -20, next, true];
-    show();
-  }
-  function pan(dx, dy) {
-    [x, y, isFitted] = [x - dx / scale, y - dy / scale, false];
-    show();
-  }
-  const pixels = (point) => [(point.x - x) * scale, (point.y - y) * scale];
-  function units({ clientX, clientY }) {
-    const box = canvas.getBoundingClientRect();
-    return { x: x + (clientX - box.x) / scale, y: y + (clientY - box.y) / scale };
-  }
-  function reveal(point) {
-    const by = pixels(point).map((at, axis) => { const size = [width, height][axis]; return at < 40 || at > size - 40 ? size / 2 - at : 0; });
-    if (by.some(Boolean)) pan(...by);
-  }
 
   // What a place is, as text.
   function volts(output) {
@@ -86,8 +58,8 @@ export function mountBoard(root) {
 
   // What is shown at a place.
   function put(box, point) {
-    pixels(point).forEach((at, axis) => {
-      const room = [width - box.offsetWidth, height - box.offsetHeight][axis];
+    zoom.pixels(point).forEach((at, axis) => {
+      const room = [zoom.width - box.offsetWidth, zoom.height - box.offsetHeight][axis];
       box.style[['left', 'top'][axis]] = `${Math.max(Math.min(at + 15, room - 6), 6)}px`;
     });
   }
@@ -120,7 +92,7 @@ export function mountBoard(root) {
     settle(one);
     label(one);
     one.node.focus({ preventScroll: true });
-    reveal(one);
+    zoom.reveal(one);
     hover(null);
   }
   function bubble(message, point) {
@@ -150,10 +122,10 @@ export function mountBoard(root) {
   }
 
   const board = {
-    root, find, canvas, over, say, stop, focus, pan, zoom, hover, bubble, nameOf, render, units, hasFocus,
+    root, find, canvas, over, say, stop, focus, zoom, hover, bubble, nameOf, render, hasFocus,
     stops: [], plugs: [],
     isLocked: () => canvas.dataset.lock === 'true',
-    reach: (distance) => distance / Math.min(scale, 1.4),
+    reach: (distance) => distance / Math.min(zoom.scale, 1.4),
     back: () => focus(current?.key),
     remove(one) {
       const { type, cord, id, element } = one;
@@ -180,8 +152,8 @@ export function mountBoard(root) {
     index = new Map(patch.outputs.map((output, position) => [output.name, position]));
     if (cords.nodes.length) cords.nodes[0].tabIndex = 0;
     [tipped, last] = [null, 0];
-    if (isFitted) zoom(0, 0, 0, READABLE);
-    else show();
+    zoom.size = drawn;
+    zoom.resize();
     mark();
     const one = stop(before?.key) ?? (before?.cord && stop(keysOf(before.cord).in)) ?? drawn.stops.values().next().value;
     if (had) focus(one.key);
@@ -216,17 +188,11 @@ export function mountBoard(root) {
     const one = isVisible() && place?.element && placed(place);
     if (!one) return;
     stage.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
-    reveal(one);
+    zoom.reveal(one);
     one.node.classList.add('is-sought');
     setTimeout(() => one.node.classList.remove('is-sought'), MARKED);
   });
-  new ResizeObserver(() => {
-    [width, height] = [stage.clientWidth, stage.clientHeight];
-    if (!width) return;
-    if (isFitted) zoom(0, 0, 0, READABLE);
-    else show();
-    render();
-  }).observe(stage);
+  new ResizeObserver(render).observe(stage);
   new IntersectionObserver(([{ isIntersecting }]) => { isShown = isIntersecting; }).observe(stage);
   canvas.addEventListener('focusin', ({ target }) => { if (target.dataset.key !== current?.key) focus(target.dataset.key); else hover(null); });
   root.addEventListener('focusout', ({ relatedTarget }) => { if (!stage.contains(relatedTarget)) hover(null, null); });

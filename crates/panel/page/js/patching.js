@@ -3,12 +3,12 @@
 import { cordClass, keysOf, lay } from './cords.js';
 import { shape } from './dom.js';
 import { highlight, isProbing, probed, send } from './state.js';
+import { ahead, ARROWS, cheapest } from './zoom.js';
 
 /** Distance in pixels within which a jack or plug is taken, by the type of the pointer. */
 const REACH = { mouse: 13, pen: 18, touch: 24 };
 /** Pixels by which a pointer moves before it drags. */
 const STILL = 5;
-const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 const endOf = ({ type, element, jack, output }) => (type === 'out' ? { output } : { element, jack });
 const isJack = ({ type }) => type === 'in' || type === 'out';
@@ -16,9 +16,7 @@ const isJack = ({ type }) => type === 'in' || type === 'out';
 /** @param {any} board what board.js has */
 export function mountPatching(board) {
   const { canvas, over, say, stop } = board;
-  const pointers = new Map();
   let press = null;
-  let pinch = 0;
   /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
   let hand = null;
   let draft = null;
@@ -29,14 +27,9 @@ export function mountPatching(board) {
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
   function nearest(event, test = () => true) {
-    const point = board.units(event);
-    let least = board.reach(REACH[event.pointerType] ?? REACH.mouse);
-    let found = null;
-    for (const one of [...board.plugs, ...board.stops.filter(isJack)]) {
-      const distance = Math.hypot(one.x - point.x, one.y - point.y);
-      if (distance < least && test(one)) [least, found] = [distance, one];
-    }
-    return found;
+    const point = board.zoom.units(event);
+    return cheapest([...board.plugs, ...board.stops.filter(isJack)].filter(test), ({ x, y }) => Math.hypot(x - point.x, y - point.y),
+      board.reach(REACH[event.pointerType] ?? REACH.mouse));
   }
   function take(fixed, cord, id, node) {
     release();
@@ -124,11 +117,11 @@ export function mountPatching(board) {
   }
 
   const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
+  board.zoom.listen(() => !press || (press.isMoved && !press.isDragging));
   listen('pointerdown', (event) => {
     if (event.button) return;
     const { pointerId, clientX, clientY, target } = event;
-    pointers.set(pointerId, [clientX, clientY]);
-    if (pointers.size > 1) {
+    if (board.zoom.pointers.size > 1) {
       if (press?.isDragging) release();
       press = null;
       return;
@@ -137,16 +130,8 @@ export function mountPatching(board) {
     press = { at: [clientX, clientY], hit: nearest(event), key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob };
   });
   listen('pointermove', (event) => {
-    const { clientX, clientY, pointerId, target, pointerType } = event;
-    const before = pointers.get(pointerId);
-    if (before) pointers.set(pointerId, [clientX, clientY]);
-    if (pointers.size > 1) {
-      const [[ax, ay], [bx, by]] = pointers.values();
-      const distance = Math.hypot(ax - bx, ay - by);
-      if (pinch) zoomAt(distance / pinch, (ax + bx) / 2, (ay + by) / 2);
-      pinch = distance;
-      return;
-    }
+    const { clientX, clientY, target, pointerType } = event;
+    if (board.zoom.pointers.size > 1) return;
     if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
       press.isMoved = true;
       press.isDragging = press.hit !== null && !isLocked();
@@ -154,17 +139,13 @@ export function mountPatching(board) {
     }
     if (hand && (!press || press.isDragging)) {
       const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
-      aim(goal, goal ?? board.units(event));
-    } else if (press?.isMoved && before) {
-      board.pan(clientX - before[0], clientY - before[1]);
+      aim(goal, goal ?? board.zoom.units(event));
     } else if (!press && pointerType === 'mouse') {
       const hit = nearest(event);
       board.hover((hit?.type === 'plug' ? stop(keysOf(hit.cord).cord) : hit) ?? stop(target.closest('[data-key]')?.dataset.key) ?? null);
     }
   });
   listen('pointerup pointercancel', (event) => {
-    pointers.delete(event.pointerId);
-    pinch = 0;
     const done = press;
     press = null;
     if (!done || event.type === 'pointercancel') {
@@ -173,31 +154,18 @@ export function mountPatching(board) {
       const goal = nearest(event, isJack);
       board.focus((goal ?? hand.fixed).key);
       if (goal) plugInto(goal);
-      else drop(board.units(event));
+      else drop(board.zoom.units(event));
     } else if (!done.isMoved) click(done);
   });
   listen('pointerleave', () => { if (!press) board.hover(null); });
   // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
   listen('mousedown touchstart', (event) => event.preventDefault(), { passive: false });
-  listen('wheel', (event) => {
-    if (!event.ctrlKey && !board.hasFocus()) return;
-    event.preventDefault();
-    zoomAt(Math.exp(-event.deltaY / 400), event.clientX, event.clientY);
-  }, { passive: false });
-  function zoomAt(factor, clientX, clientY) {
-    const box = canvas.getBoundingClientRect();
-    board.zoom(factor, clientX - box.x, clientY - box.y);
-  }
 
   /** The nearest place in a direction. Cords follow each other in their order. */
   function next(from, [dx, dy]) {
     const all = board.stops.filter(({ type }) => (type === 'cord') === (from.type === 'cord'));
     if (from.type === 'cord') return all.at((all.indexOf(from) + dx + dy) % all.length);
-    const cost = (one) => {
-      const along = (one.x - from.x) * dx + (one.y - from.y) * dy;
-      return along > 4 ? along + 2.5 * Math.abs((one.x - from.x) * dy + (one.y - from.y) * dx) : Infinity;
-    };
-    return all.reduce((best, one) => (cost(one) < cost(best) ? one : best), from);
+    return ahead(from, all, [dx, dy]);
   }
   function remove(one) {
     const own = board.plugs.filter(({ jack, cord }) => jack === one && cord);
