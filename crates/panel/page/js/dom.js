@@ -34,7 +34,8 @@ export const within = (low, value, high) => Math.min(high, Math.max(low, value))
 
 export const byId = (id) => document.getElementById(id);
 
-export const root = document.documentElement;
+/** The element `html`. Tests import this module without a page. */
+export const root = globalThis.document?.documentElement;
 
 /** What this browser keeps by a name. A value is kept first. */
 export function stored(name, value) {
