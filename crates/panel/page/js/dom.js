@@ -34,10 +34,7 @@ export const within = (low, value, high) => Math.min(high, Math.max(low, value))
 
 export const byId = (id) => document.getElementById(id);
 
-<<<<<<< HEAD
-=======
 /** The element `html`. Tests import this module without a page. */
->>>>>>> diet-b
 export const root = globalThis.document?.documentElement;
 
 /** What this browser keeps by a name. A value is kept first. */
