@@ -291,7 +291,7 @@ mod tests {
                     open == 0
                 })
             });
-            end.is_some_and(|end| head.is_some_and(|head| &head[end..] == ");"))
+            end.is_some_and(|end| head.and_then(|head| head.get(end..)) == Some(");"))
         };
         assert!(is_empty("while (next(a));") && !is_empty("if (a) next(b);"));
         for page in PAGES.iter().filter(|page| page.path.ends_with(".js")) {
