@@ -67,8 +67,8 @@ fn push_script_line(content: &mut String, line: &str) {
     }
 }
 
-/// Appends a line of a script without comments and without the blanks that separate nothing. Texts and regular
-/// expressions stay as they are. A slash before a blank divides.
+/// Appends a line of a script without comments, the blanks that separate nothing, and a semicolon before a brace that
+/// closes. Texts and regular expressions stay as they are. A slash before a blank divides.
 fn push_without_blanks(content: &mut String, line: &str) {
     // The open braces. A template whose expression is open is a '`'.
     let mut open = Vec::new();
@@ -95,6 +95,9 @@ fn push_without_blanks(content: &mut String, line: &str) {
             _ if is_text => text_length(rest, first),
             _ => first.len_utf8(),
         };
+        if first == '}' && content.ends_with(';') {
+            content.pop();
+        }
         let (part, others) = rest.split_at(length);
         if part.ends_with("${") {
             open.push('`');
@@ -276,11 +279,34 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_lines_are_sent_if_a_statement_can_end_there() {
-        let text = "function f() {\n  return a\n    && g(\n      b,\n    );\n}\nf();\nconst c = 1\nf()\n";
+    fn no_loop_of_a_script_is_empty() {
+        // Its semicolon could be one before a brace that closes, which is not sent.
+        let is_empty = |line: &str| {
+            let head =
+                line.strip_prefix("for (").or(line.strip_prefix("while (")).or(line.strip_prefix("if ("));
+            let mut open = 1;
+            let end = head.and_then(|head| {
+                head.find(|character: char| {
+                    open += i32::from(character == '(') - i32::from(character == ')');
+                    open == 0
+                })
+            });
+            end.is_some_and(|end| head.is_some_and(|head| &head[end..] == ");"))
+        };
+        assert!(is_empty("while (next(a));") && !is_empty("if (a) next(b);"));
+        for page in PAGES.iter().filter(|page| page.path.ends_with(".js")) {
+            let empty = page.text.lines().map(str::trim).find(|line| is_empty(line));
+            assert_eq!(empty, None, "{}", page.path);
+        }
+    }
+
+    #[test]
+    fn ends_of_statements_are_sent_if_they_separate() {
+        let text =
+            "function f() {\n  return a\n    && g(\n      { b; },\n    );\n}\nf();\nconst c = 1\nf()\n";
         assert_eq!(
             Page { path: "a.js", text }.content(),
-            "function f(){return a&&g(b,);}\nf();const c=1\nf()\n"
+            "function f(){return a&&g({b},)}\nf();const c=1\nf()\n"
         );
     }
 

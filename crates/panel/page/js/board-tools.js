@@ -9,7 +9,8 @@ import { refusalOf, send, state } from './state.js';
 /** @param {any} board what board.js has */
 export function mountTools(board) {
   const { root, find, canvas, say } = board;
-  const [field, slider, choice, lock, palette, search, list, names] = ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
+  const [field, slider, choice, lock, palette, search, list, names] =
+    ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
     '.board-palette', '.board-palette input', '.board-palette ul', 'datalist'].map(find);
 
   /** What a name can be: an output, an input by its name or its label, or an element with one input. */
@@ -56,14 +57,17 @@ export function mountTools(board) {
       .sort((one, other) => other.name.startsWith(words) - one.name.startsWith(words));
     at = within(0, at, rows.length - 1);
     list.replaceChildren(...rows.map(({ name, summary, parts }, index) => el('li', {
-      role: 'option', id: `kind-${name}`, 'aria-selected': String(index === at), class: left(parts).startsWith('0') && 'is-none', onclick: () => add(name),
+      role: 'option', id: `kind-${name}`, 'aria-selected': String(index === at),
+      class: left(parts).startsWith('0') && 'is-none', onclick: () => add(name),
     }, el('b', null, name), el('span', null, left(parts)), el('span', null, summary))));
     search.setAttribute('aria-activedescendant', rows.length ? `kind-${rows[at].name}` : '');
     list.children[at]?.scrollIntoView({ block: 'nearest' });
   }
   function open(section) {
     const all = state.hello?.kinds ?? [];
-    const fits = section ? all.filter(({ name, parts, prefix }) => section.kinds?.includes(name) || parts.includes(section.part) || (section.family && prefix === 'E')) : [];
+    const fits = section ?
+      all.filter(({ name, parts, prefix }) => section.kinds?.includes(name)
+        || parts.includes(section.part) || (section.family && prefix === 'E')) : [];
     kinds = fits.length ? fits : all;
     [search.value, at] = ['', 0];
     palette.showModal();
@@ -88,7 +92,8 @@ export function mountTools(board) {
     for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
   }
   async function clear() {
-    if (!refusalOf(await send({ command: 'clear-cords' }))) toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
+    if (!refusalOf(await send({ command: 'clear-cords' })))
+      toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
   const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };
   find('.board-line').onsubmit = enter;

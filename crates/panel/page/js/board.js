@@ -20,7 +20,8 @@ const READABLE = 0.55;
 /** @param {HTMLElement} root */
 export function mountBoard(root) {
   const find = (query) => root.querySelector(query);
-  const [stage, canvas, live, tip, alert, status] = ['stage', 'canvas', 'live', 'tip', 'alert', 'status'].map((name) => find(`.board-${name}`));
+  const [stage, canvas, live, tip, alert, status] = ['stage', 'canvas', 'live', 'tip', 'alert', 'status']
+    .map((name) => find(`.board-${name}`));
   const [, face, cordLayer, over] = canvas.children;
   const [tipText, tipButton] = tip.children;
   let plate = {};
@@ -46,7 +47,8 @@ export function mountBoard(root) {
     const value = volts(output);
     const { signal, unit, per_volt: perVolt } = state.patch.outputs[index.get(output)] ?? {};
     const list = (names, word) => (names.length ? `${word} ${names.join(', ')}` : 'no cord');
-    const goals = () => board.plugs.filter(({ moves, cord }) => moves === 'in' && cord.from === output).map(({ cord }) => `${cord.element}.${cord.jack}`);
+    const goals = () => board.plugs.filter(({ moves, cord }) => moves === 'in' && cord.from === output)
+      .map(({ cord }) => `${cord.element}.${cord.jack}`);
     const what = {
       in: () => ['input', list(view.cords, 'from'), view.description], out: () => ['output', list(goals(), 'to')],
       module: () => [element.kind, element.note], free: () => [`Free: ${section.title}. Enter adds an element`],
@@ -129,7 +131,9 @@ export function mountBoard(root) {
     back: () => focus(current?.key),
     remove(one) {
       const { type, cord, id, element } = one;
-      send({ cord: { command: 'unplug', ...cord }, loose: { command: 'remove-loose', id }, module: { command: 'remove-element', name: element?.name } }[type]);
+      const what = { cord: ['unplug', cord], loose: ['remove-loose', { id }], module: ['remove-element', { name: element?.name }] };
+      const [command, rest] = what[type];
+      send({ command, ...rest });
       say(`Removed ${nameOf(one)}. Undo brings it back.`);
     },
   };
@@ -194,7 +198,10 @@ export function mountBoard(root) {
   });
   new ResizeObserver(render).observe(stage);
   new IntersectionObserver(([{ isIntersecting }]) => { isShown = isIntersecting; }).observe(stage);
-  canvas.addEventListener('focusin', ({ target }) => { if (target.dataset.key !== current?.key) focus(target.dataset.key); else hover(null); });
+  canvas.addEventListener('focusin', ({ target }) => {
+    if (target.dataset.key !== current?.key) focus(target.dataset.key);
+    else hover(null);
+  });
   root.addEventListener('focusout', ({ relatedTarget }) => { if (!stage.contains(relatedTarget)) hover(null, null); });
   tipButton.onclick = () => {
     const one = tipped;

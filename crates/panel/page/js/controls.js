@@ -9,7 +9,7 @@ const SLOW = 0.95;
 
 /** Presses those buttons of a group to which something applies. */
 export function press(group, applies) {
-  for (const each of group.children) if (each.ariaPressed !== String(applies(each))) each.ariaPressed = applies(each);
+  for (const each of group.children) each.ariaPressed = applies(each);
 }
 
 function mountModes() {
@@ -18,16 +18,13 @@ function mountModes() {
     each.onclick = () => send({ command: 'mode', mode: each.value });
     bind(each.getAttribute('aria-keyshortcuts'), each.querySelector('.mode-name').textContent, each.onclick);
   }
-  const show = ({ mode }) => {
+  on('machine', ({ mode, stopped }) => {
     press(modes, ({ value }) => value === mode);
-    const stopped = state.machine?.stopped;
     text.dataset.stopped = Boolean(stopped);
     write(text, stopped ?? modes.querySelector(`[value=${mode}]`).dataset.about);
     // A first look at the panel: the button that makes a trace stands out until the machine has run.
     if (['operate', 'repetitive', 'single'].includes(mode)) delete root.dataset.first;
-  };
-  on('machine', show);
-  on('frame', show);
+  });
 }
 
 function mountSpeed() {

@@ -18,7 +18,9 @@ function hash(text) {
 }
 
 /** The keys of a cord and of its jacks. */
-export const keysOf = ({ element, jack, from }) => ({ cord: `cord:${from}>${element}.${jack}`, out: `out:${from}`, in: `in:${element}.${jack}` });
+export const keysOf = ({ element, jack, from }) => ({
+  cord: `cord:${from}>${element}.${jack}`, out: `out:${from}`, in: `in:${element}.${jack}`
+});
 
 /** The colour of each output, by its name. Outputs nearby and cords into one element differ, and all colours are used. */
 function colours(cords, jacks) {
@@ -34,7 +36,10 @@ function colours(cords, jacks) {
       if (place && there && Math.hypot(place.x - there.x, place.y - there.y) < NEAR) cost[colour] += 100;
     }
     let colour = FIXED[from] ?? Math.floor(hash(from) * COLOURS);
-    if (!(from in FIXED)) cost.forEach((_, step) => { const other = (colour + 3 * step) % COLOURS; if (cost[other] < cost[colour]) colour = other; });
+    if (!(from in FIXED)) cost.forEach((_, step) => {
+      const other = (colour + 3 * step) % COLOURS;
+      if (cost[other] < cost[colour]) colour = other;
+    });
     found.set(from, colour);
     used[colour] += 1;
   }
@@ -64,7 +69,8 @@ export function lay(node, a, b, name) {
  * @returns {{nodes: Element[], stops: Map<string, any>, plugs: any[], colours: Map<string, number>}}
  */
 export function drawCords({ elements, loose }, jacks) {
-  const cords = elements.flatMap(({ name, jacks: own }) => own.flatMap(({ name: jack, cords: outputs }) => outputs.map((from) => ({ element: name, jack, from }))));
+  const cords = elements.flatMap(({ name, jacks: own }) => own.flatMap(({ name: jack, cords: outputs }) =>
+    outputs.map((from) => ({ element: name, jack, from }))));
   const found = colours(cords, jacks);
   const heights = new Map();
   const stops = new Map();
@@ -94,7 +100,12 @@ export function drawCords({ elements, loose }, jacks) {
   }
   for (const { id, end, at: [x, y] } of loose) {
     const a = stack(end.output ? `out:${end.output}` : keysOf(end).in);
-    if (a) plugs.push(add(`loose:${id}`, `Loose cord at ${end.output ?? `${end.element}.${end.jack}`}`, a, { x, y }, { type: 'loose', id, fixed: a.jack, output: end.output, x, y }));
+    if (!a) continue;
+    const data = { type: 'loose', id, fixed: a.jack, output: end.output, x, y };
+    plugs.push(add(`loose:${id}`, `Loose cord at ${end.output ?? `${end.element}.${end.jack}`}`, a, data, data));
   }
-  return { nodes: [...stops.values()].sort((one, other) => other.length - one.length).map(({ node }) => node), stops, plugs, colours: found };
+  return {
+    nodes: [...stops.values()].sort((one, other) => other.length - one.length).map(({ node }) => node),
+    stops, plugs, colours: found
+  };
 }

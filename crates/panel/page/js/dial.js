@@ -210,7 +210,9 @@ export function dial(options) {
     },
     onkeydown(event) {
       const arrow = (perTurn ? 0.001 : 0.01) * (event.shiftKey ? 0.1 : 1);
-      const by = { ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1 }[event.key];
+      const by = {
+        ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1
+      }[event.key];
       if (!by || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
       nudge(by, event.shiftKey);

@@ -34,6 +34,7 @@ export const within = (low, value, high) => Math.min(high, Math.max(low, value))
 
 export const byId = (id) => document.getElementById(id);
 
+/** The element `html`. Tests import this module without a page. */
 export const root = globalThis.document?.documentElement;
 
 /** What this browser keeps by a name. A value is kept first. */
@@ -96,7 +97,7 @@ export function quantity(value, unit = '', digits = 4) {
   const power = most === undefined || !value ? 0 : within(-4, Math.floor(Math.log10(Math.abs(value) * (1 + 1e-9)) / 3), most);
   const name = ['p', 'n', 'µ', 'm', '', 'k', 'M'][power + 4] + (unit === '1' ? '' : unit);
   const [mantissa, exponent] = format(value / 1000 ** power, digits).split('e');
-  const raised = exponent ? `·10${[...exponent].map((sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign])).join('')}` : '';
+  const raised = exponent ? `·10${exponent.replace(/./g, (sign) => '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign] ?? '⁻')}` : '';
   return `${minus(mantissa)}${raised}${name && '\u202f'}${name}`;
 }
 

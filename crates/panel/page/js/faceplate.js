@@ -37,12 +37,14 @@ function fill(plate, { elements, outputs, parts }, kinds) {
 /** Places the jacks of a module: by name where the faceplate has a place, the others where there is room. */
 function connect(module, { jacks: own = {}, out: [left, top] }) {
   const { element, output } = module;
-  module.outs = (element?.outputs ?? [output]).map((name, row) => ({ type: 'out', output: name, element: element?.name, x: left, y: top + row * ROW }));
+  module.outs = (element?.outputs ?? [output]).map((name, row) =>
+    ({ type: 'out', output: name, element: element?.name, x: left, y: top + row * ROW }));
   const holes = Object.keys(own).map((name) => ({ name, label: name.slice(1), description: '', most: null, cords: [] }));
   const views = element ? [...element.jacks] : output ? [] : holes;
   // Every gain of a summing input at the faceplate can be used.
   if (element && views.some(isGain)) views.push(...holes.filter((hole) => isGain(hole) && !views.some(({ name }) => name === hole.name)));
-  module.jacks = views.map((view) => ({ type: 'in', element: element?.name, jack: view.name, view, x: own[view.name]?.[0], y: own[view.name]?.[1] }));
+  module.jacks = views.map((view) =>
+    ({ type: 'in', element: element?.name, jack: view.name, view, x: own[view.name]?.[0], y: own[view.name]?.[1] }));
   let [x, y] = [20, top];
   for (const jack of module.jacks) {
     while (jack.x === undefined) {
@@ -109,7 +111,8 @@ function arrange(plate, patch, kinds) {
 function caption({ kind, settings }, name) {
   const set = Object.fromEntries(settings.filter(({ value, text }) => value !== null || text !== null).map((one) => [one.name, one]));
   if (set.setting) return set.setting.value?.toFixed(4) ?? set.setting.text;
-  const rows = [['initial', 'IC'], ['limit.upper', '≤'], ['limit.lower', '≥']].filter(([key]) => set[key]).map(([key, sign]) => `${sign} ${quantity(set[key].value, 'V')}`);
+  const rows = [['initial', 'IC'], ['limit.upper', '≤'], ['limit.lower', '≥']].filter(([key]) => set[key])
+    .map(([key, sign]) => `${sign} ${quantity(set[key].value, 'V')}`);
   const words = settings.filter(({ form, value }) => form === 'choice' && value !== null).map((one) => one.words[one.value]);
   return [name, ...rows, ...words, kind === 'key-switch' && (set.closed?.value ? 'closed' : 'open')].filter(Boolean).join(' · ');
 }
@@ -117,7 +120,9 @@ function caption({ kind, settings }, name) {
 const move = ([x, y]) => ({ transform: `translate(${x} ${y})` });
 /** A text, compressed if it is too long for its room. */
 function text(kind, x, y, content = '', room = Infinity, size = 6.1) {
-  return svg('text', { class: kind, x, y, ...content.length * size > room && { textLength: room, lengthAdjust: 'spacingAndGlyphs' } }, content);
+  return svg('text', {
+    class: kind, x, y, ...content.length * size > room && { textLength: room, lengthAdjust: 'spacingAndGlyphs' }
+  }, content);
 }
 
 /**
@@ -145,24 +150,33 @@ export function draw(plate, patch, kinds) {
     const face = svg('g', { class: 'plate', ...keyed(key) }, svg('rect', { width: w, height: h, rx: 4 }),
       text('name', 9, 18, element?.name ?? plate.references[output] ?? part, w - (element?.lamp ? 32 : 14), 8));
     if (key) stops.set(key, { key, node: face, type, element, section, x: at[0] + 24, y: at[1] + 14, box: [...at, w, h] });
-    if (element?.lamp) lamps.push({ output: element.outputs[0], node: svg('circle', { class: 'bulb', r: 5, ...move([at[0] + w - 14, at[1] + 13]) }) });
+    if (element?.lamp) lamps.push({
+      output: element.outputs[0], node: svg('circle', { class: 'bulb', r: 5, ...move([at[0] + w - 14, at[1] + 13]) })
+    });
     const line = element ? caption(element, section.add !== element.kind && element.kind.replaceAll('-', ' ')) : helps && `of ${helps}`;
     const pot = knob && shape('pot', { 'data-knob': element?.name, ...move(knob) });
-    pot?.lastElementChild.setAttribute('transform', `rotate(${300 * (element?.settings.find(({ name }) => name === 'setting')?.value ?? 0) - 150})`);
+    const setting = element?.settings.find(({ name }) => name === 'setting')?.value ?? 0;
+    pot?.lastElementChild.setAttribute('transform', `rotate(${300 * setting - 150})`);
     return svg('g', { class: `module${element || output ? '' : helps ? ' is-helper' : ' is-free'}` },
-      svg('g', move(at), face, knob ? text('caption is-middle', knob[0], knob[1] + 28, line || '') : text('caption', 9, 33, line || '', w - 14),
+      svg('g', move(at), face,
+        knob ? text('caption is-middle', knob[0], knob[1] + 28, line || '') : text('caption', 9, 33, line || '', w - 14),
         pot),
-      jacks.map((jack) => drawJack(jack, element && `${element.name}.${jack.jack}`, jack.view.label !== 'in' && element && jack.view.label)),
+      jacks.map((jack) => drawJack(jack, element && `${element.name}.${jack.jack}`,
+        jack.view.label !== 'in' && element && jack.view.label)),
       own.map((out) => drawJack(out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
+  }
+  function drawFrame({ x, y, w, h, title, class: kind }) {
+    const frame = shape('section', { class: `section ${kind}`, ...move([x, y]) });
+    frame.firstElementChild.setAttribute('width', w);
+    frame.firstElementChild.setAttribute('height', h);
+    frame.lastElementChild.textContent = title;
+    return frame;
   }
   const panel = (attributes) => svg('rect', { width, height, rx: 12, ...attributes });
   const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map(([x, y], turn) =>
     shape('screw', { transform: `translate(${x} ${y}) rotate(${turn * 53})` }));
   const node = svg('g', { class: `faceplate ${plate.class}` }, panel({ class: 'panel' }), panel({ fill: 'url(#board-sheen)' }), screws,
     text('make', MARGIN + 6, 29, plate.title), text('small-print', width - MARGIN - 6, height - 12, plate.note),
-    sections.map((section) => svg('g', { class: `section ${section.class}` },
-      svg('rect', { class: 'frame', x: section.x, y: section.y, width: section.w, height: section.h, rx: 7 }),
-      svg('rect', { class: 'stripe', x: section.x + 9, y: section.y + 8, width: 10, height: 10, rx: 2 }),
-      text('section-title', section.x + 25, section.y + 17, section.title), section.modules.map((module, index) => drawModule(module, section, index)))));
+    sections.flatMap((section) => [drawFrame(section), ...section.modules.map((module, index) => drawModule(module, section, index))]));
   return { node, live: [...outs, ...lamps].map((one) => one.node), stops, outs, lamps, width, height };
 }

@@ -31,7 +31,8 @@ async function openText(name, text, path) {
 
 /** Keeps the present patch, or asks before its changes are lost. @returns {Promise<boolean>} whether to continue */
 async function mayReplace() {
-  return !isChanged() || await keep() || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
+  return !isChanged() || await keep()
+    || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
 }
 
 const openFile = (file) => attempt(async () => {

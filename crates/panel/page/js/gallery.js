@@ -4,7 +4,10 @@ import { forget, recent } from './autosave.js';
 import { byId, el, filter, quantity, template } from './dom.js';
 import { on } from './state.js';
 
-/** @typedef {{path: string, title: string, line: string, group: string, picture: string, machine: string, duration: number | null, note: string, source: string}} Piece */
+/**
+ * @typedef {{path: string, title: string, line: string, group: string, picture: string, machine: string,
+ *   duration: number | null, note: string, source: string}} Piece
+ */
 
 /** @type {Promise<Piece[]> | null} */
 let list = null;

@@ -85,7 +85,8 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
   const knob = dial({
     label: about ? `${title}, ${about}` : title, unit, range: view.range, whole: view.unit === 'whole number', turned: set, reset,
     perTurn: isPot ? 0.1 : 0, digits: isPot ? 4 : 0,
-    blocked: () => knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
+    blocked: () =>
+      knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
   });
   control.replaceWith(knob.node);
   law.onclick = () => {

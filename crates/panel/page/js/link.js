@@ -9,7 +9,10 @@
 
 import { stored } from './dom.js';
 
-/** The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by mistake, and links also open in other tabs. */
+/**
+ * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
+ * mistake, and links also open in other tabs.
+ */
 export function token() {
   const fragment = new URLSearchParams(location.hash.slice(1));
   if (fragment.has('token')) {
@@ -55,7 +58,8 @@ function connectServer() {
   return new Promise((resolve, reject) => {
     socket.onopen = () => resolve(link);
     socket.onclose = ({ reason }) => {
-      const message = reason || 'The connection to patchcord is closed. Check that the command still runs, and use the address that it printed.';
+      const message = reason
+        || 'The connection to patchcord is closed. Check that the command still runs, and use the address that it printed.';
       close(message);
       reject(new Error(message));
     };

@@ -101,7 +101,9 @@ function mountTitle() {
 function mountPopovers() {
   for (const kind of ['pointerdown', 'focusin', 'keydown']) {
     document.addEventListener(kind, ({ key, target }) => {
-      for (const each of document.querySelectorAll('.popover[open]')) if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
+      for (const each of document.querySelectorAll('.popover[open]')) {
+        if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
+      }
     });
   }
 }

@@ -81,8 +81,5 @@ export function mountMessages(reconnect) {
     byId('link').hidden = connected;
     write(byId('link').firstChild, message);
   });
-  on('probing', ({ active }) => {
-    root.toggleAttribute('data-probing', active);
-    byId('probing').hidden = !active;
-  });
+  on('probing', ({ active }) => root.toggleAttribute('data-probing', active));
 }

@@ -68,7 +68,8 @@ function meterOf(command, title, connect) {
       const isKnown = Number.isFinite(value);
       write(volts, isKnown ? fiveDigits(value) : '– V');
       write(more, isKnown ? words(value) : '');
-      fill(digits, { 'aria-valuenow': value || 0, 'aria-valuetext': isKnown ? `${volts.textContent} ${more.textContent}` : 'not connected' });
+      fill(digits, { 'aria-valuenow': value || 0,
+        'aria-valuetext': isKnown ? `${volts.textContent} ${more.textContent}` : 'not connected' });
     },
   };
 }
@@ -84,7 +85,8 @@ function mountVoltmeter() {
     meter.update(patch, patch.signals[0]?.at);
     view = patch.outputs.find(({ name }) => name === view?.name);
   });
-  on('frame', (frame) => meter.show(frame.meter, (volts) => (view?.signal ? `${view.signal} ${quantity(volts * view.per_volt, view.unit, 5)}` : '')));
+  on('frame', (frame) => meter.show(frame.meter, (volts) =>
+    (view?.signal ? `${view.signal} ${quantity(volts * view.per_volt, view.unit, 5)}` : '')));
   byId('voltmeter').append(meter.node);
 }
 

@@ -127,7 +127,10 @@ export function mountPatching(board) {
       return;
     }
     canvas.setPointerCapture(pointerId);
-    press = { at: [clientX, clientY], hit: nearest(event), key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob };
+    press = {
+      at: [clientX, clientY], hit: nearest(event),
+      key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob
+    };
   });
   listen('pointermove', (event) => {
     const { clientX, clientY, target, pointerType } = event;
