@@ -5,8 +5,11 @@ import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { emit, highlight, on, send, state } from './state.js';
 
-const GREEK = Object.fromEntries('alphaα betaβ gammaγ deltaδ epsilonε zetaζ etaη thetaθ kappaκ lambdaλ muμ nuν xiξ rhoρ sigmaσ tauτ phiφ chiχ psiψ omegaω'
-  .split(' ').map((word) => [word.slice(0, -1), word.at(-1)]));
+/** The Greek letters from α on; the second sigma is never meant. */
+const LETTERS = ['alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho',
+  'sigma tau upsilon phi chi psi omega'];
+const GREEK = Object.fromEntries(LETTERS.flatMap((names, half) => names.split(' ')
+  .map((name, at) => [name, String.fromCodePoint(945 + 18 * half + at)])));
 /** A number, a name with its primes or with the parenthesis of a function, or a sign. */
 const TOKEN = /\d+(?:\.\d+)?(?:e[+-]?\d+)?|[\p{L}_][\p{L}\d_.]*(?:'+|\()?|\S/gu;
 const PRIMES = ['', '′', '″', '‴'];
@@ -15,7 +18,8 @@ const PRIMES = ['', '′', '″', '‴'];
 function meaning(name) {
   const { parameters = [], signals, outputs } = state.patch ?? {};
   if (parameters.some((each) => each.name === name)) return { parameter: name };
-  const output = signals?.find((each) => each.name === name)?.at ?? outputs?.find((each) => [name, `${name}.out`].includes(each.name))?.name;
+  const output = signals?.find((each) => each.name === name)?.at
+    ?? outputs?.find((each) => [name, `${name}.out`].includes(each.name))?.name;
   return output && { output };
 }
 
@@ -82,7 +86,8 @@ function formula(text) {
     for (;;) {
       if (take('/')) {
         const right = power();
-        left = { nodes: [span('fraction', span(null, left.inner ?? left.nodes), spoken(' over '), span(null, right.inner ?? right.nodes))] };
+        const [over, under] = [left, right].map(({ inner, nodes }) => span(null, inner ?? nodes));
+        left = { nodes: [span('fraction', over, spoken(' over '), under)] };
         continue;
       }
       const sign = take('*') ? operator('·') : ['\u2009'];
@@ -105,7 +110,8 @@ function formula(text) {
 }
 
 /** Sets a text of which only the names are known. */
-const words = (text) => (text?.match(/[\p{L}_][\p{L}\d_.]*|[^\p{L}_]+/gu) ?? []).map((word) => (meaning(word) ? nameNode(word) : word.replaceAll('-', '−')));
+const words = (text) => (text?.match(/[\p{L}_][\p{L}\d_.]*|[^\p{L}_]+/gu) ?? [])
+  .map((word) => (meaning(word) ? nameNode(word) : word.replaceAll('-', '−')));
 
 function set(text) {
   try {
@@ -135,7 +141,8 @@ export function mountEquations(root) {
       () => toast('The browser does not permit copying.'));
   });
   const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));
-  const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' }, el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
+  const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' },
+    el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
   const show = async () => {
     const { equations: view, findings } = state;
     if (!view) return;

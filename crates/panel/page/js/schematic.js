@@ -54,8 +54,9 @@ function netNode(output, { lines = [], dots = [], arrows = [] } = {}) {
 }
 
 function outputNode({ name, from: [left, y], at: [right] }) {
-  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'dialog', 'aria-label': outputName(name) },
-    around([left + 2, y - 10, right, y + 12], 4, 'hit'), svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
+  return svg('g', {
+    class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'dialog', 'aria-label': outputName(name),
+  }, around([left + 2, y - 10, right, y + 12], 4, 'hit'), svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
 }
 
 /** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
@@ -171,16 +172,19 @@ export function mountSchematic(root) {
   });
   fill(root, {
     onkeydown(event) {
-      if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('button')) return;
-      const node = event.target.closest('.output');
+      const { key, target } = event;
+      if (event.ctrlKey || event.metaKey || event.altKey || target.closest('button')) return;
+      const node = target.closest('.output');
       const names = [...cells.keys()];
+      const pick = () => choose(focused, node);
+      const move = () => go(node ? ahead(cells.get(focused), cells.values(), ARROWS[key]).output.name : focused);
       const act = {
         '+': () => zoom.by(1.3), '-': () => zoom.by(1 / 1.3), 0: () => zoom.fit(0), Home: () => go(names[0]), End: () => go(names.at(-1)),
-        ...node && { Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
-      }[event.key] ?? (ARROWS[event.key] && (() => go(node ? ahead(cells.get(focused), cells.values(), ARROWS[event.key]).output.name : focused)));
+        ...node && { Enter: pick, ' ': pick, e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
+      }[key] ?? (ARROWS[key] && move);
       if (!act || !cells.has(focused)) return;
       // A probe that waits is called off by the page.
-      if (event.key !== 'Escape') event.preventDefault();
+      if (key !== 'Escape') event.preventDefault();
       act();
     },
   });
@@ -204,7 +208,8 @@ export function mountSchematic(root) {
       const [x, y] = port ? [at[0], at[1] + 21] : from;
       const right = 24 * count(output);
       const tip = fill(shape('tip'), {
-        'data-look': look, 'data-bare': port || right > 0, 'aria-label': `${name} at ${outputName(output)}`, transform: `translate(${x + right} ${y})`,
+        'data-look': look, 'data-bare': port || right > 0,
+        'aria-label': `${name} at ${outputName(output)}`, transform: `translate(${x + right} ${y})`,
       }, [svg('title', null, name)]);
       tip.querySelector('text').textContent = mark;
       return tip;
@@ -214,8 +219,8 @@ export function mountSchematic(root) {
       if (!area) return null;
       const [x, y] = at ?? [area[0] + 4, area[1] + 4];
       const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${placeName(where)}: ${text}`;
-      return fill(shape(`mark-${severity}`), { role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})` },
-        [svg('title', null, text)]);
+      const transform = `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})`;
+      return fill(shape(`mark-${severity}`), { role: 'img', 'aria-label': label, transform }, [svg('title', null, text)]);
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
@@ -239,13 +244,13 @@ export function mountSchematic(root) {
   const draw = () => {
     const had = hasFocus();
     symbols.replaceChildren();
-    const made = drawing.symbols.flatMap((symbol) => {
-      const node = symbols.appendChild(symbolNode(symbol));
-      return symbol.outputs.map((output) => {
+    const made = drawing.symbols.flatMap((each) => {
+      const symbol = symbols.appendChild(symbolNode(each));
+      return each.outputs.map((output) => {
         const net = drawing.nets.find(({ from }) => from === output.name);
         const own = outputNode(output);
         const [x, y] = output.at;
-        return { output, net, x, y, element: symbol.name, nodes: { symbol: node, net: netNode(output, net), output: own, volts: own.lastChild } };
+        return { output, net, x, y, element: each.name, nodes: { symbol, net: netNode(output, net), output: own, volts: own.lastChild } };
       });
     });
     // In the order of reading: rows, and from left to right in each.

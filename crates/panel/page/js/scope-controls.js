@@ -10,7 +10,9 @@ const STEPS = [1, 2, 2.5, 5];
 /** The round values of a range. */
 export function series(first, last) {
   const values = [];
-  for (let decade = Math.floor(Math.log10(first)); 10 ** decade <= last; decade += 1) values.push(...STEPS.map((step) => Number(`${step}e${decade}`)));
+  for (let decade = Math.floor(Math.log10(first)); 10 ** decade <= last; decade += 1) {
+    values.push(...STEPS.map((step) => Number(`${step}e${decade}`)));
+  }
   return values.filter((value) => value >= first * (1 - 1e-9) && value <= last * (1 + 1e-9));
 }
 
@@ -45,7 +47,8 @@ function select(list, value, text) {
 
 /** The round value of a list that is next to a value, above it (1) or below it (-1). */
 function nextOf(list, value, direction) {
-  const values = [...list.querySelectorAll(':not(optgroup ~ optgroup) > option:not([data-own])')].map((option) => Number(option.value)).filter(Boolean);
+  const options = list.querySelectorAll(':not(optgroup ~ optgroup) > option:not([data-own])');
+  const values = Array.from(options, (option) => Number(option.value)).filter(Boolean);
   const isNext = (each) => direction * (each - value) > 1e-6 * value;
   return direction > 0 ? values.find(isNext) ?? values.at(-1) : values.findLast(isNext) ?? values[0];
 }
@@ -104,8 +107,9 @@ export function mountControls({ controls: root, base, summary }, model, change, 
         control.dataset.scale = scale;
       }
       if (control.type === 'checkbox') control.checked = value;
-      else if (control.localName === 'select') select(control, value ?? '', typeof value === 'number' ? quantity(value, channel < 0 ? 's' : 'V', 3) : value);
-      else control.value = Number(value.toPrecision(6));
+      else if (control.localName === 'select') {
+        select(control, value ?? '', typeof value === 'number' ? quantity(value, channel < 0 ? 's' : 'V', 3) : value);
+      } else control.value = Number(value.toPrecision(6));
       if (key === 'position') control.setAttribute('aria-valuetext', quantity(value, 'divisions', 2));
     }
     root.dataset.display = display;

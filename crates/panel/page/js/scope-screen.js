@@ -21,7 +21,8 @@ const [DASH, PERIOD] = [10, 14];
 /** Colours of a scope from the theme. */
 function palette(element) {
   const style = getComputedStyle(element);
-  const [grid, ink, bad, ...traces] = ['grid', 'scope-ink', 'scope-bad', 'trace-1', 'trace-2'].map((name) => style.getPropertyValue(`--${name}`));
+  const [grid, ink, bad, ...traces] = ['grid', 'scope-ink', 'scope-bad', 'trace-1', 'trace-2']
+    .map((name) => style.getPropertyValue(`--${name}`));
   return { grid, ink, bad, traces, glow: 6, font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8 };
 }
 
@@ -151,7 +152,10 @@ function darken(context, { x, y, across, up }, globalAlpha) {
   context.globalCompositeOperation = 'source-over';
 }
 
-/** The present trace, and the one before where the present one has not arrived. Returns where the beams are, if they can be seen to move. */
+/**
+ * The present trace, and the one before where the present one has not arrived. Returns where the beams are, unless they
+ * are too fast.
+ */
 function drawLive(context, scene) {
   const { outputs, trace: { total, reached, period, columns } } = scene.model;
   const isSteady = period < STEADY;

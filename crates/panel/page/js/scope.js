@@ -90,7 +90,8 @@ export function mountScope(root, index) {
 
   /** Takes over controls. The screen is erased if its traces do not belong to them. */
   function take(controls) {
-    const kind = ({ display, seconds_per_division: seconds, channels }) => [display, seconds, ...channels.map(({ output }) => output)].join();
+    const kind = ({ display, seconds_per_division: seconds, channels }) =>
+      [display, seconds, ...channels.map(({ output }) => output)].join();
     const before = model.controls;
     model.controls = controls;
     if (!before || kind(controls) !== kind(before)) {
