@@ -5,9 +5,9 @@ import { existsSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
 import { extname, join } from 'node:path';
 import { after } from 'node:test';
-import { chromium } from 'playwright-core';
 
-import { findChromium, ROOT, startHost, TYPES } from './hosts.mjs';
+import { launch } from './chromium.mjs';
+import { ROOT, startHost, TYPES } from './hosts.mjs';
 
 /** Which form of the panel is tested: "server" or "folder". */
 export const FORM = process.env.PANEL_FORM ?? 'server';
@@ -24,11 +24,7 @@ export const VAN_DER_POL = 'patches/lessons/van-der-pol.json';
 
 /** Hosts by the patch that they open. */
 const hosts = new Map();
-const browser = chromium.launch({
-  executablePath: findChromium(),
-  args: ['--no-sandbox', '--disable-gpu', '--disable-background-networking',
-    '--disable-features=LocalNetworkAccessChecks,LocalNetworkAccessChecksWebSockets,PrivateNetworkAccessChecks'],
-});
+const browser = launch();
 
 after(async () => {
   await (await browser).close();
