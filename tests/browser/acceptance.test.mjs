@@ -5,8 +5,8 @@ import { test } from 'node:test';
 
 import { cordIs, cordLine, inputJack, pull, showBoard } from './board.mjs';
 import {
-  command, exportOf, FIG_8_16, FORM, knobOf, modeButton, openPanel, parameterIs, picturesOf, probe, ready, rowsOf, scopeOf, select,
-  stateOf, sweepOnce, type, undoButton, until,
+  command, exportOf, FIG_8_16, FORM, kept, knobOf, modeButton, openPanel, parameterIs, picturesOf, probe, ready, rowsOf, scopeOf,
+  select, stateOf, sweepOnce, type, undoButton, until,
 } from './panel.mjs';
 
 /** Seconds of Fig 8.16 that show the sliding velocity. */
@@ -22,7 +22,7 @@ test('Fig 8.16: PC2 is turned by its parameter and by itself, and the trace chan
   await until('the sweep is shorter', async () => (await stateOf(page)).machine.sweep === BEGINNING);
   await probe(page, 1, 'PC2', 'B2');
   await sweepOnce(page);
-  const [before, pictures] = [String((await exportOf(page, 1, 'CSV table')).content), await picturesOf(page, 1)];
+  const [before, pictures] = [String((await exportOf(page, 1, 'CSV')).content), await picturesOf(page, 1)];
 
   const knob = knobOf(page, 'VcL').getByRole('slider');
   const setting = await pc2(page);
@@ -30,7 +30,7 @@ test('Fig 8.16: PC2 is turned by its parameter and by itself, and the trace chan
   for (let turns = 0; turns < 5; turns += 1) await page.keyboard.press('PageDown');
   await until('PC2 follows VcL', async () => (await pc2(page)) > 1.5 * setting);
   await sweepOnce(page);
-  const turned = String((await exportOf(page, 1, 'CSV table')).content);
+  const turned = String((await exportOf(page, 1, 'CSV')).content);
   assert.notEqual(turned, before, 'the trace after VcL was turned');
   assert.notEqual(await picturesOf(page, 1), pictures, 'the picture after VcL was turned');
 
@@ -39,7 +39,7 @@ test('Fig 8.16: PC2 is turned by its parameter and by itself, and the trace chan
   await type(page, 'PC2', 0.02);
   await until('PC2 has its own setting', async () => (await pc2(page)) === 0.02);
   await sweepOnce(page);
-  assert.notEqual(String((await exportOf(page, 1, 'CSV table')).content), turned, 'the trace after PC2 was turned');
+  assert.notEqual(String((await exportOf(page, 1, 'CSV')).content), turned, 'the trace after PC2 was turned');
 });
 
 test('the voltmeter shows the voltage of its output in five digits', async (t) => {
@@ -99,7 +99,7 @@ test('the X-Y scope draws the ellipse of an oscillator', async (t) => {
   await scopeOf(page, 1).getByLabel('Display').selectOption('X-Y');
   await until('X-Y display', async () => (await stateOf(page)).scopes[0].display === 'plane');
   await sweepOnce(page);
-  const rows = rowsOf(String((await exportOf(page, 1, 'CSV table')).content));
+  const rows = rowsOf(String((await exportOf(page, 1, 'CSV')).content));
   const w = Math.sqrt(40);
   assert.ok(rows.length > 50, `${rows.length} points`);
   for (const { x, v } of rows) {
@@ -160,7 +160,7 @@ test('an oscillator is patched in an empty panel by keys only', async (t) => {
 test('the time from the start of the page to the first trace is reported', async (t) => {
   const page = await openPanel(t);
   const { title } = (await stateOf(page)).patch;
-  await until('the session is stored', () => page.evaluate(() => sessionStorage.getItem('patchcord.session') !== null));
+  await kept(page);
   await page.reload();
   await ready(page, title);
   await modeButton(page, 'Operate').click();
@@ -172,7 +172,7 @@ test('the panel runs with the network off', { skip: FORM === 'server' && 'the se
   const page = await openPanel(t);
   await page.context().setOffline(true);
   await sweepOnce(page);
-  await exportOf(page, 1, 'SVG drawing');
+  await exportOf(page, 1, 'SVG');
 });
 
 test.todo('a data file is dropped, and the search names the effect');

@@ -69,9 +69,20 @@ export async function openPanel(t, { patch = MASS_AND_SPRING, width = 1280, heig
     assert.deepEqual(faults.filter((text) => !/\b404\b/.test(text)), [], 'errors of the page');
   });
   await page.goto((await hostOf(patch)).address);
+  if (!patch || FORM === 'folder') await closeGallery(page);
   if (patch && FORM === 'folder') await openFile(page, patch);
   await ready(page, patch && JSON.parse(await readFile(join(ROOT, patch), 'utf8')).title);
   return page;
+}
+
+/** The gallery, when it is open. */
+export const gallery = (page) => page.getByRole('dialog', { name: 'Gallery' });
+
+/** Closes the gallery, with which a panel begins that has no patch. */
+async function closeGallery(page) {
+  await gallery(page).waitFor();
+  await page.keyboard.press('Escape');
+  await gallery(page).waitFor({ state: 'hidden' });
 }
 
 /** Opens a patch with the button of the page. */
@@ -169,12 +180,21 @@ export async function downloadOf(page, action) {
   return { name: download.suggestedFilename(), content: await readFile(await download.path()) };
 }
 
-/** Exports a scope by the text of an entry of its menu. */
-export function exportOf(page, scope, entry) {
+/** Exports a scope as "SVG", "PNG" or "CSV". */
+export function exportOf(page, scope, format) {
   return downloadOf(page, async () => {
-    await scopeOf(page, scope).locator('summary', { hasText: 'Export' }).click();
-    await scopeOf(page, scope).getByRole('button', { name: entry }).click();
+    const entry = scopeOf(page, scope).getByRole('button', { name: `Export as ${format}` });
+    if (!await entry.isVisible()) await scopeOf(page, scope).locator('summary', { hasText: 'More' }).click();
+    await entry.click();
   });
+}
+
+/** Waits until the browser keeps the present state of the patch. */
+export function kept(page) {
+  return until('the patch is kept', () => page.evaluate(async () => {
+    const { keep } = await import(new URL('js/autosave.js', document.baseURI).href);
+    return keep();
+  }));
 }
 
 /** The rows of a CSV file as objects by column. Lines with # are left out. */

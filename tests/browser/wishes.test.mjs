@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
-import { mkdtemp, readFile, rm } from 'node:fs/promises';
+import { mkdtemp, readdir, readFile, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
@@ -13,9 +13,13 @@ import {
 } from './board.mjs';
 import { PATCHCORD, ROOT } from './hosts.mjs';
 import {
-  command, downloadOf, exportOf, FIG_8_16, knobOf, MASS_AND_SPRING, modeButton, openFile, openPanel, parameterIs, parameterOf, ready,
+  command, downloadOf, exportOf, FIG_8_16, gallery, kept, knobOf, MASS_AND_SPRING, modeButton, openFile, openPanel, parameterIs, parameterOf, ready,
   redoButton, rowsOf, scopeOf, select, stateOf, sweepOnce, type, undoButton, until, VAN_DER_POL,
 } from './panel.mjs';
+
+const LORENZ = 'patches/lessons/lorenz.json';
+
+const titleOf = async (patch) => JSON.parse(await readFile(join(ROOT, patch), 'utf8')).title;
 
 /** Size in pixels that a finger needs. */
 const FINGER = 44;
@@ -91,12 +95,9 @@ test('wish 3: undo and redo over cords, pots and modes, with visible buttons; th
   await until('the run continues', async () => (await stateOf(page)).frame?.time > time);
   assert.equal((await stateOf(page)).machine.mode, 'operate');
   // A reload keeps the patch and its history.
-  await until('the session is stored', () => page.evaluate(() => {
-    const { snapshot } = JSON.parse(sessionStorage.getItem('patchcord.session') ?? '{}');
-    return JSON.stringify(snapshot ?? '').includes('20');
-  }));
+  await kept(page);
   await page.reload();
-  await ready(page);
+  await ready(page, await titleOf(MASS_AND_SPRING));
   await parameterIs(page, 'k', 20);
   await redoButton(page).click();
   await cordIs(page, 'B1', 'P1.in', false);
@@ -108,11 +109,71 @@ test('wish 3: undo and redo over cords, pots and modes, with visible buttons; th
   await until('hold again', async () => (await stateOf(page)).machine.mode === 'hold');
 });
 
-test('wish 4: snapshots of a patch are kept, and another patch never overwrites them', { todo: 'snapshots per patch' }, () => {});
+test('wish 4: snapshots of a patch are kept, and another patch never overwrites them', async (t) => {
+  const page = await openPanel(t);
+  const title = await titleOf(MASS_AND_SPRING);
+  await type(page, 'k', 20);
+  await parameterIs(page, 'k', 20);
+  // The same file with another change, and another patch.
+  await openFile(page, MASS_AND_SPRING);
+  await parameterIs(page, 'k', 40);
+  await type(page, 'k', 10);
+  await parameterIs(page, 'k', 10);
+  await openFile(page, VAN_DER_POL);
+  await ready(page, await titleOf(VAN_DER_POL));
+  await kept(page);
+  await page.reload();
+  await ready(page, await titleOf(VAN_DER_POL));
+  await page.getByRole('button', { name: 'Gallery', exact: true }).click();
+  const recent = gallery(page).getByRole('region', { name: 'Recent' });
+  const cards = recent.getByRole('button', { name: new RegExp(`^${title}`) });
+  await until('two patches with changes', async () => (await cards.count()) === 2);
+  // The latest one comes first.
+  await cards.last().click();
+  await ready(page, title);
+  await parameterIs(page, 'k', 20);
+  // The history is kept too.
+  await undoButton(page).click();
+  await parameterIs(page, 'k', 40);
+});
 
-test('wish 5: the patch is in the address, and ?patch= opens a file', { todo: 'share by URL' }, () => {});
+test('wish 5: the patch is in the address, and ?patch= opens a file', async (t) => {
+  const page = await openPanel(t);
+  await type(page, 'k', 20);
+  await parameterIs(page, 'k', 20);
+  await page.getByRole('button', { name: 'Share', exact: true }).click();
+  const link = await page.getByRole('dialog', { name: 'Share this patch' }).getByLabel('Link').inputValue();
+  assert.match(link, /#p=[\w-]+&name=/);
+  const other = await page.context().newPage();
+  await other.goto(link);
+  await ready(other, await titleOf(MASS_AND_SPRING));
+  await parameterIs(other, 'k', 20);
+  await other.goto(new URL('?patch=lessons/lorenz.json', link).href);
+  await ready(other, await titleOf(LORENZ));
+});
 
-test('wish 6: the gallery has every lesson, figure and example', { todo: 'gallery' }, () => {});
+test('wish 6: the gallery has every lesson, figure and example', async (t) => {
+  const page = await openPanel(t, { patch: null });
+  await page.keyboard.press('g');
+  await gallery(page).waitFor();
+  const cards = await gallery(page).locator('a').evaluateAll((links) => links.map((link) => ({
+    path: new URLSearchParams(link.search).get('patch'), words: link.textContent, isDrawn: link.querySelector('img').naturalWidth > 0,
+  })));
+  for (const folder of ['lessons', 'thesis', 'others', 'problems']) {
+    for (const name of await readdir(join(ROOT, 'patches', folder))) {
+      if (!name.endsWith('.json')) continue;
+      const card = cards.find(({ path }) => path === `${folder}/${name}`);
+      assert.ok(card?.words.length > 10, `${folder}/${name} is in the gallery`);
+      assert.ok(card.isDrawn, `${folder}/${name} has a picture`);
+    }
+  }
+  // One click opens a patch that is found by its words, and runs it.
+  await gallery(page).getByRole('searchbox').fill('lorenz flow');
+  await gallery(page).getByRole('status').getByText('1 found').waitFor();
+  await gallery(page).getByRole('link').click();
+  await ready(page, await titleOf(LORENZ));
+  await until('a run', async () => (await stateOf(page)).frame?.time > 0);
+});
 
 test('wish 7: the same file with the same bits in the panel and in the command', async (t) => {
   const folder = await mkdtemp(join(tmpdir(), 'patchcord-'));
@@ -162,7 +223,7 @@ test('wish 9: time base, trigger, two cursors, X-Y with persistence, CSV with a 
   const page = await openPanel(t);
   const scope = scopeOf(page, 1);
   await sweepOnce(page);
-  const rows = rowsOf(String((await exportOf(page, 1, 'CSV table')).content));
+  const rows = rowsOf(String((await exportOf(page, 1, 'CSV')).content));
   assert.ok(rows.length > 900, `${rows.length} rows`);
   const w = Math.sqrt(40);
   rows.forEach(({ t: time, x_min: low, x_max: high }, index) => {
@@ -170,8 +231,9 @@ test('wish 9: time base, trigger, two cursors, X-Y with persistence, CSV with a 
     const x = 80 * Math.cos(w * time);
     assert.ok(low - 0.01 <= x && x <= high + 0.01, `x at ${time} s is ${x}, not from ${low} to ${high}`);
   });
-  await scope.getByRole('button', { name: 'Time base: less' }).click();
+  await scope.getByLabel('Time base').selectOption('0.2');
   await until('200 ms/div', async () => (await stateOf(page)).scopes[0].seconds_per_division === 0.2);
+  await scope.locator('summary', { hasText: 'Trigger' }).click();
   await scope.getByLabel('A trace begins with').selectOption('level');
   await scope.getByLabel('Slope').selectOption('falling');
   await until('the trigger', async () => {
@@ -190,6 +252,7 @@ test('wish 9: time base, trigger, two cursors, X-Y with persistence, CSV with a 
   await page.keyboard.press('ArrowLeft');
   await until('the cursor moves', async () => (await reading()) !== first);
   await scope.getByLabel('Display').selectOption('X-Y');
+  await scope.locator('summary', { hasText: 'More' }).click();
   await scope.getByLabel('Persistence').selectOption('2');
   await until('X-Y with persistence', async () => {
     const { display, persistence } = (await stateOf(page)).scopes[0];
@@ -276,7 +339,7 @@ test('wish 12: every wrong move gets the message of the checker at the jack', as
 test('another patch replaces the first one, and a file with faults is reported', async (t) => {
   const page = await openPanel(t);
   await openFile(page, FIG_8_16);
-  await ready(page, JSON.parse(await readFile(join(ROOT, FIG_8_16), 'utf8')).title);
+  await ready(page, await titleOf(FIG_8_16));
   await page.getByLabel('Patch file').setInputFiles({ name: 'broken.json', mimeType: 'application/json', buffer: Buffer.from('{') });
   await page.getByRole('complementary', { name: 'Messages' }).getByText(/\S/).first().waitFor();
   await modeButton(page, 'Operate').waitFor();

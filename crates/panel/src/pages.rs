@@ -13,8 +13,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// Its content as it is sent: scripts and style sheets without lines of comments and without indentation, and
-    /// scripts without most of the blanks that separate nothing.
+    /// Its content as it is sent: style sheets without lines of comments and without indentation, and scripts also
+    /// without the blanks, ends of lines and comments that separate nothing.
     ///
     /// No text in them spans lines, which a test asserts, so this changes nothing else.
     pub fn content(&self) -> String {
@@ -26,11 +26,11 @@ impl Page {
             is_comment |= line.starts_with("/*");
             if !is_comment && !line.is_empty() && !line.starts_with("//") {
                 if self.kind() == SCRIPT {
-                    push_without_blanks(&mut content, line);
+                    push_script_line(&mut content, line);
                 } else {
                     content.push_str(line);
+                    content.push('\n');
                 }
-                content.push('\n');
             }
             is_comment &= !line.ends_with("*/");
         }
@@ -50,43 +50,81 @@ impl Page {
     }
 }
 
-/// Whether a blank next to this character of a script has no meaning.
-fn is_punctuation(character: char) -> bool {
-    "{}()[],;:?=<>&|!*".contains(character)
+/// Whether a blank between these characters of a script has no meaning. "- -" is not "--", and "/ /" is no comment.
+fn separates_nothing(before: char, next: char) -> bool {
+    let is_punctuation = |character: char| "{}()[],;:?=<>&|!*+-/%'\"`".contains(character);
+    (is_punctuation(before) || is_punctuation(next)) && !(before == next && "+-/".contains(before))
 }
 
-/// Appends a line of a script without blanks next to punctuation. Texts stay as they are, and so does the rest of the
-/// line from a template, or from a slash, with which a regular expression can begin.
+/// Appends a line of a script, and its end if a statement can end there.
+fn push_script_line(content: &mut String, line: &str) {
+    if content.ends_with('\n') && line.starts_with(['}', ')', ']', '?', ':', '.', '&', '|']) {
+        content.pop();
+    }
+    push_without_blanks(content, line);
+    if !content.ends_with(['{', '(', '[', ',', ';']) {
+        content.push('\n');
+    }
+}
+
+/// Appends a line of a script without comments, the blanks that separate nothing, and a semicolon before a brace that
+/// closes. Texts and regular expressions stay as they are. A slash before a blank divides.
 fn push_without_blanks(content: &mut String, line: &str) {
-    let mut quote = None;
-    let mut before = '\n';
-    let mut characters = line.char_indices().peekable();
+    // The open braces. A template whose expression is open is a '`'.
+    let mut open = Vec::new();
+    let (mut rest, mut before) = (line, '\n');
+    while let Some(first) = rest.chars().next() {
+        let next = rest[first.len_utf8()..].chars().next().unwrap_or(' ');
+        let skipped = match first {
+            ' ' if separates_nothing(before, next) => 1,
+            '/' if next == '/' => rest.len(),
+            '/' if next == '*' => rest.find("*/").map_or(rest.len(), |end| end + 2),
+            _ => 0,
+        };
+        if skipped > 0 {
+            rest = &rest[skipped..];
+            continue;
+        }
+        if first == '{' {
+            open.push(first);
+        }
+        let ends_expression = first == '}' && open.pop() == Some('`');
+        let is_text = ends_expression || "'\"`".contains(first) || (first == '/' && next != ' ');
+        let length = match first {
+            '}' if is_text => text_length(rest, '`'),
+            _ if is_text => text_length(rest, first),
+            _ => first.len_utf8(),
+        };
+        if first == '}' && content.ends_with(';') {
+            content.pop();
+        }
+        let (part, others) = rest.split_at(length);
+        if part.ends_with("${") {
+            open.push('`');
+        }
+        content.push_str(part);
+        before = part.chars().next_back().unwrap_or(before);
+        rest = others;
+    }
+}
+
+/// The length of the text with which `rest` begins, up to its end: a string, a regular expression, or the part of a
+/// template before an expression or after it.
+fn text_length(rest: &str, end: char) -> usize {
+    let mut is_class = false;
+    let mut characters = rest.char_indices().skip(1);
     while let Some((at, character)) = characters.next() {
-        match (quote, character) {
-            (None, '`' | '/') => {
-                content.push_str(&line[at..]);
-                return;
+        match character {
+            '\\' => {
+                characters.next();
             }
-            (None, '\'' | '"') => quote = Some(character),
-            (None, ' ') => {
-                let next = characters.peek().map_or(' ', |&(_, next)| next);
-                if is_punctuation(before) || is_punctuation(next) {
-                    continue;
-                }
-            }
-            (Some(end), _) if character == end => quote = None,
-            (Some(_), '\\') => {
-                content.push(character);
-                if let Some((_, escaped)) = characters.next() {
-                    content.push(escaped);
-                }
-                continue;
-            }
+            '[' | ']' if end == '/' => is_class = character == '[',
+            '$' if end == '`' && rest[at..].starts_with("${") => return at + 2,
+            _ if character == end && !is_class => return at + character.len_utf8(),
             _ => {}
         }
-        content.push(character);
-        before = character;
     }
+    rest.len()
 }
 
 /// The table of files with these paths.
@@ -117,7 +155,6 @@ pub const PAGES: &[Page] = pages![
     "js/controls.js",
     "js/cords.js",
     "js/dial.js",
-    "js/dialogs.js",
     "js/dom.js",
     "js/equations.js",
     "js/faceplate.js",
@@ -145,6 +182,7 @@ pub const PAGES: &[Page] = pages![
     "js/share.js",
     "js/state.js",
     "js/theme.js",
+    "js/zoom.js",
     "pictures/lessons/bouncing-ball.svg",
     "pictures/lessons/driven-oscillator.svg",
     "pictures/lessons/heat-rod.svg",
@@ -215,27 +253,61 @@ mod tests {
 
     #[test]
     fn comments_and_indentation_are_not_sent() {
-        let text = "/** Adds. */\n  const a = 1; // kept\n\n/*\n * b\n */\n// c\nadd(a);\n";
-        let page = Page { path: "a.js", text };
-        assert_eq!(page.content(), "const a=1;// kept\nadd(a);\n");
+        let text = "/** Adds. */\n  const a = 1; // one\n\n/*\n * b\n */\n// c\nadd(/** @type {any} */ a);\n";
+        assert_eq!(Page { path: "a.js", text }.content(), "const a=1;add(a);");
         assert_eq!(Page { path: "a.json", text }.content(), text);
+        let text = "/* Colours. */\n.a { color: red; }\n\n  /* b */\n  .b { top: 0; }\n";
+        assert_eq!(Page { path: "a.css", text }.content(), ".a { color: red; }\n.b { top: 0; }\n");
     }
 
     #[test]
-    fn blanks_next_to_punctuation_are_not_sent() {
+    fn blanks_that_separate_nothing_are_not_sent() {
         let lines = [
             ("if (a) b = { c: [1, 2], d: -e };", "if(a)b={c:[1,2],d:-e};"),
-            ("return a + -b;", "return a + -b;"),
+            ("return a + -b - -c + ++d;", "return a+-b- -c+ ++d;"),
             (r#"say('a, b', "c = 'd' ", e );"#, r#"say('a, b',"c = 'd' ",e);"#),
             (r"say('it\'s , so', a);", r"say('it\'s , so',a);"),
-            ("const a = `b, ${c ? `d, e` : f} `;", "const a=`b, ${c ? `d, e` : f} `;"),
-            ("f(a, b / 2, /c , d/u);", "f(a,b / 2, /c , d/u);"),
-            ("say('−', a);", "say('−',a);"),
+            ("const a = `b, ${c ? `d, e` : { f }} `;", "const a=`b, ${c?`d, e`:{f}} `;"),
+            ("import { a } from './a b.js';", "import{a}from'./a b.js';"),
+            (r"f(a, b / 2, /[/ ] , \/ x/g, d);", r"f(a,b/2,/[/ ] , \/ x/g,d);"),
+            ("return c / /d e/;", "return c/ /d e/;"),
+            ("say('−', 'https://a, b');", "say('−','https://a, b');"),
         ];
         for (text, sent) in lines {
-            let page = Page { path: "a.js", text };
-            assert_eq!(page.content(), format!("{sent}\n"));
+            assert_eq!(Page { path: "a.js", text }.content(), sent);
         }
+    }
+
+    #[test]
+    fn no_loop_of_a_script_is_empty() {
+        // Its semicolon could be one before a brace that closes, which is not sent.
+        let is_empty = |line: &str| {
+            let head =
+                line.strip_prefix("for (").or(line.strip_prefix("while (")).or(line.strip_prefix("if ("));
+            let mut open = 1;
+            let end = head.and_then(|head| {
+                head.find(|character: char| {
+                    open += i32::from(character == '(') - i32::from(character == ')');
+                    open == 0
+                })
+            });
+            end.is_some_and(|end| head.and_then(|head| head.get(end..)) == Some(");"))
+        };
+        assert!(is_empty("while (next(a));") && !is_empty("if (a) next(b);"));
+        for page in PAGES.iter().filter(|page| page.path.ends_with(".js")) {
+            let empty = page.text.lines().map(str::trim).find(|line| is_empty(line));
+            assert_eq!(empty, None, "{}", page.path);
+        }
+    }
+
+    #[test]
+    fn ends_of_statements_are_sent_if_they_separate() {
+        let text =
+            "function f() {\n  return a\n    && g(\n      { b; },\n    );\n}\nf();\nconst c = 1\nf()\n";
+        assert_eq!(
+            Page { path: "a.js", text }.content(),
+            "function f(){return a&&g({b},)}\nf();const c=1\nf()\n"
+        );
     }
 
     #[test]

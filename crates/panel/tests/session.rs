@@ -225,6 +225,18 @@ fn a_session_continues_from_its_snapshot() {
 }
 
 #[test]
+fn a_change_of_the_mode_is_a_step_that_the_view_of_the_patch_names() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    let events = client.mode("hold");
+    assert_eq!(event(&events, "patch")["undo"], "change to hold");
+    let events = client.mode("hold");
+    assert!(events.iter().all(|event| event["event"] != "patch"), "{events:?}");
+    let events = client.send(json!({"command": "undo"}));
+    assert_eq!(event(&events, "patch")["undo"], Value::Null);
+    assert_eq!(event(&events, "patch")["redo"], "change to hold");
+}
+
+#[test]
 fn wrong_requests_are_refused_and_change_nothing() {
     let mut client = Client::with("lessons/mass-and-spring.json");
     let before = client.patch();

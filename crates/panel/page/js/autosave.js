@@ -10,7 +10,7 @@
 
 import { toast } from './messages.js';
 import { deflate, inflate } from './share.js';
-import { emit, on, send, state } from './state.js';
+import { ask, emit, eventOf, on, send, state } from './state.js';
 
 /** Milliseconds after a change at which a snapshot is made, also while further changes follow. */
 const DELAY = 2000;
@@ -36,21 +36,21 @@ let queue = Promise.resolve();
 /** @type {Promise<IDBDatabase> | null} */
 let database = null;
 
-function connect() {
-  database ??= new Promise((resolve, reject) => {
-    const request = indexedDB.open('patchcord', 1);
-    request.onupgradeneeded = () => request.result.createObjectStore('patches', { keyPath: 'id' });
-    request.onsuccess = () => resolve(request.result);
-    request.onerror = () => reject(request.error);
-  });
-  return database;
-}
+const result = (request) => new Promise((resolve, reject) => {
+  request.onsuccess = () => resolve(request.result);
+  request.onerror = () => reject(request.error);
+});
 
-const result = (request) => new Promise((resolve) => { request.onsuccess = () => resolve(request.result); });
+function connect() {
+  const request = indexedDB.open('patchcord', 1);
+  request.onupgradeneeded = () => request.result.createObjectStore('patches', { keyPath: 'id' });
+  return result(request);
+}
 
 /** Does all work or none of it. @param {(rows: IDBObjectStore) => any} work */
 async function transact(work) {
-  const transaction = (await connect()).transaction('patches', 'readwrite');
+  database ??= connect();
+  const transaction = (await database).transaction('patches', 'readwrite');
   const done = new Promise((resolve, reject) => {
     transaction.oncomplete = resolve;
     transaction.onabort = () => reject(transaction.error);
@@ -84,7 +84,7 @@ async function write() {
   const entry = present;
   if (entry === null || isKept() || !state.host) return;
   const until = changes;
-  const found = (await send({ command: 'snapshot' })).find(({ event }) => event === 'snapshot');
+  const found = await ask('snapshot');
   if (!found) return;
   const { title, file, revision } = state.patch;
   const about = { title, file, edited: entry.edited || revision !== entry.opened, isSaved: revision === entry.saved };
@@ -135,8 +135,7 @@ export function markSaved() {
 export async function replace(command, { id = random(), path = null, edited = false, isSaved = true } = {}) {
   const before = present;
   present = null;
-  const events = await send(command);
-  if (!events.some(({ event }) => event === 'patch')) {
+  if (!eventOf(await send(command), 'patch')) {
     present = before;
     return false;
   }

@@ -1,19 +1,17 @@
 /** Tools of the patch panel: the line for cords, the palette of elements, and how the panel looks. */
 
-import { el } from './dom.js';
+import { byId, el, stored, within } from './dom.js';
 import { faceplate } from './faceplate.js';
 import { bind } from './keys.js';
 import { toast } from './messages.js';
-import { send, state } from './state.js';
-
-const refusal = (events) => events.find(({ event }) => event === 'refused')?.message;
+import { refusalOf, send, state } from './state.js';
 
 /** @param {any} board what board.js has */
 export function mountTools(board) {
-  const { root, find, canvas, say, keep } = board;
-  const [field, slider, choice, lock, palette, search, list, names] = ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
+  const { root, find, canvas, say } = board;
+  const [field, slider, choice, lock, palette, search, list, names] =
+    ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
     '.board-palette', '.board-palette input', '.board-palette ul', 'datalist'].map(find);
-  const isLocked = () => canvas.dataset.lock === 'true';
 
   /** What a name can be: an output, an input by its name or its label, or an element with one input. */
   function named(text) {
@@ -35,7 +33,7 @@ export function mountTools(board) {
       return;
     }
     const { element, jack } = into;
-    const refused = refusal(await send({ command: isRemoval ? 'unplug' : 'plug', element, jack, from }));
+    const refused = refusalOf(await send({ command: isRemoval ? 'unplug' : 'plug', element, jack, from }));
     say(refused ?? `${isRemoval ? 'Removed the cord' : 'Plugged a cord'} from ${from} to ${element}.${jack}.`);
     if (!refused) field.value = '';
   }
@@ -57,16 +55,19 @@ export function mountTools(board) {
     const words = search.value.trim().toLowerCase();
     const rows = kinds.filter(({ name, summary }) => `${name} ${summary}`.toLowerCase().includes(words))
       .sort((one, other) => other.name.startsWith(words) - one.name.startsWith(words));
-    at = Math.max(0, Math.min(at, rows.length - 1));
+    at = within(0, at, rows.length - 1);
     list.replaceChildren(...rows.map(({ name, summary, parts }, index) => el('li', {
-      role: 'option', id: `kind-${name}`, 'aria-selected': String(index === at), class: left(parts).startsWith('0') && 'is-none', onclick: () => add(name),
+      role: 'option', id: `kind-${name}`, 'aria-selected': String(index === at),
+      class: left(parts).startsWith('0') && 'is-none', onclick: () => add(name),
     }, el('b', null, name), el('span', null, left(parts)), el('span', null, summary))));
     search.setAttribute('aria-activedescendant', rows.length ? `kind-${rows[at].name}` : '');
     list.children[at]?.scrollIntoView({ block: 'nearest' });
   }
   function open(section) {
     const all = state.hello?.kinds ?? [];
-    const fits = section ? all.filter(({ name, parts, prefix }) => section.kinds?.includes(name) || parts.includes(section.part) || (section.family && prefix === 'E')) : [];
+    const fits = section ?
+      all.filter(({ name, parts, prefix }) => section.kinds?.includes(name)
+        || parts.includes(section.part) || (section.family && prefix === 'E')) : [];
     kinds = fits.length ? fits : all;
     [search.value, at] = ['', 0];
     palette.showModal();
@@ -75,7 +76,7 @@ export function mountTools(board) {
   async function add(kind) {
     palette.close();
     const before = new Set(state.patch.elements.map(({ name }) => name));
-    const refused = refusal(await send({ command: 'add-element', kind, name: null }));
+    const refused = refusalOf(await send({ command: 'add-element', kind, name: null }));
     await board.render();
     const made = state.patch.elements.find(({ name }) => !before.has(name))?.name;
     say(refused ?? `Added ${made}, ${kind}.`);
@@ -85,62 +86,46 @@ export function mountTools(board) {
 
   function setLock(isOn) {
     say('');
-    canvas.dataset.lock = keep('lock', isOn);
-    lock.setAttribute('aria-pressed', isOn);
+    canvas.dataset.lock = stored('board.lock', isOn);
+    lock.ariaPressed = isOn;
     lock.textContent = isOn ? 'Unlock' : 'Lock';
     for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
   }
   async function clear() {
-    const refused = refusal(await send({ command: 'clear-cords' }));
-    if (!refused) toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
+    if (!refusalOf(await send({ command: 'clear-cords' })))
+      toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
-  function look() {
-    const share = Number(keep('look') ?? 0.65);
-    canvas.style.setProperty('--cord', 2.5 + 5 * share);
-    canvas.style.setProperty('--cord-opacity', Math.min(0.3 + share, 1));
-  }
-  const run = { add: () => open(), lock: () => setLock(!isLocked()), clear };
-  const listen = (target, events, listener) => events.split(' ').forEach((event) => target.addEventListener(event, listener));
-  listen(find('.board-line'), 'submit', enter);
-  listen(field, 'input focus', complete);
-  listen(search, 'input', () => { at = 0; offer(); });
-  listen(search, 'keydown', (event) => {
+  const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };
+  find('.board-line').onsubmit = enter;
+  field.oninput = field.onfocus = complete;
+  field.onkeydown = ({ key }) => { if (key === 'Escape') board.back(); };
+  search.oninput = () => { at = 0; offer(); };
+  search.onkeydown = (event) => {
     const by = { ArrowDown: 1, ArrowUp: -1, Enter: 0 }[event.key];
     if (by === undefined) return;
     event.preventDefault();
     at += by;
     if (by) offer();
     else list.children[at]?.click();
-  });
-  listen(palette, 'click', ({ target }) => { if (target === palette) palette.close(); });
-  listen(root, 'click', ({ target }) => {
-    run[target.dataset.do]?.();
-    if (target.dataset.zoom) board.zoom(Number(target.dataset.zoom));
-  });
-  slider.value = keep('look') ?? 0.65;
-  listen(slider, 'input', () => { keep('look', slider.value); look(); });
-  listen(choice, 'change', () => { keep(`plate.${state.patch.machine}`, choice.value); board.render(); });
-  look();
-  setLock(keep('lock') === 'true');
+  };
+  palette.onclick = ({ target }) => { if (target === palette) palette.close(); };
+  root.onclick = ({ target }) => run[target.dataset.do]?.();
+  slider.value = stored('board.look') ?? 0.65;
+  slider.oninput = () => canvas.style.setProperty('--look', stored('board.look', slider.value));
+  slider.oninput();
+  choice.onchange = () => { stored(`board.plate.${state.patch.machine}`, choice.value); board.render(); };
+  setLock(stored('board.lock') === 'true');
   board.patched = (name) => { choice.value = name; };
   faceplate('index').then((plates) => {
     board.plates = plates;
-    choice.replaceChildren(...Object.entries(plates).map(([value, title]) => el('option', { value }, title)));
+    choice.replaceChildren(...Object.entries(plates).map(([value, title]) => new Option(title, value)));
     board.render();
   });
 
   const visit = (action) => () => {
-    if (!root.offsetParent) document.getElementById('tab-board').click();
-    if (!isLocked()) action();
+    if (!root.offsetParent) byId('tab-board').click();
+    if (!board.isLocked()) action();
   };
-  const type = visit(() => field.focus());
   bind('a', 'Add an element to the patch panel', visit(() => open()));
-  bind('/', 'Type a cord, such as B1 P1.in', type);
-  // C is Problem check elsewhere.
-  listen(root, 'keydown', (event) => {
-    if (event.key === 'Escape' && event.target === field) board.back();
-    if (event.key !== 'c' || event.ctrlKey || event.metaKey || event.target.closest('input, select')) return;
-    event.preventDefault();
-    type();
-  });
+  bind('/', 'Type a cord, such as B1 P1.in', visit(() => field.focus()));
 }

@@ -2,11 +2,13 @@
 
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
-import { quantity, svg } from './dom.js';
+import { minus, quantity, shape, stored, svg } from './dom.js';
 import { draw, faceplate } from './faceplate.js';
+import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
 import { mountPatching } from './patching.js';
 import { on, send, state } from './state.js';
+import { Zoom } from './zoom.js';
 
 /** Milliseconds between two changes of the voltages. */
 const PERIOD = 100;
@@ -18,62 +20,26 @@ const READABLE = 0.55;
 /** @param {HTMLElement} root */
 export function mountBoard(root) {
   const find = (query) => root.querySelector(query);
-  const [stage, canvas, live, tip, alert, status] = ['stage', 'canvas', 'live', 'tip', 'alert', 'status'].map((name) => find(`.board-${name}`));
+  const [stage, canvas, live, tip, alert, status] = ['stage', 'canvas', 'live', 'tip', 'alert', 'status']
+    .map((name) => find(`.board-${name}`));
   const [, face, cordLayer, over] = canvas.children;
   const [tipText, tipButton] = tip.children;
   let plate = {};
   let drawn = { stops: new Map(), outs: [], lamps: [], width: 1000, height: 600 };
   let cords = { stops: new Map() };
-  let notes = new Map();
-  let index = new Map();
-  let [x, y, scale, width, height] = [0, 0, 0, 0, 0];
-  let isFitted = true;
-  let isShown = false;
-  let [tipped, current] = [null, null];
-  let last = 0;
-  let timer = 0;
+  let [notes, index] = [new Map(), new Map()];
+  let [isShown, tipped, current, last, timer] = [false, null, null, 0, 0];
+  const zoom = new Zoom(root, [canvas, live], 20, READABLE, () => showTip(tipped));
 
   const stop = (key) => drawn.stops.get(key) ?? cords.stops.get(key);
   const say = (text) => { status.textContent = text; };
   const isVisible = () => root.offsetParent !== null;
   const hasFocus = () => canvas.contains(document.activeElement);
-  function keep(key, value) {
-    if (value !== undefined) localStorage.setItem(`patchcord.board.${key}`, value);
-    return localStorage.getItem(`patchcord.board.${key}`);
-  }
-
-  // The part of the panel that is in sight.
-  function show() {
-    const within = (at, size, whole) => (size > whole + 40 ? (whole - size) / 2 : Math.min(Math.max(at, -20), whole + 20 - size));
-    [x, y] = [within(x, width / scale, drawn.width), within(y, height / scale, drawn.height)];
-    for (const picture of [canvas, live]) picture.setAttribute('viewBox', `${x} ${y} ${width / scale} ${height / scale}`);
-    showTip(tipped);
-  }
-  /** Changes the scale about a point in pixels; without a factor, the whole panel is shown. */
-  function zoom(factor, px = width / 2, py = height / 2, least = 0) {
-    const whole = Math.min(width / (drawn.width + 40), height / (drawn.height + 40));
-    const next = factor ? Math.min(Math.max(scale * factor, whole * 0.9), 4) : Math.max(whole, least);
-    [x, y, scale, isFitted] = factor ? [x + px / scale - px / next, y + py / scale - py / next, next, false] : [-20, -20, next, true];
-    show();
-  }
-  function pan(dx, dy) {
-    [x, y, isFitted] = [x - dx / scale, y - dy / scale, false];
-    show();
-  }
-  const pixels = (point) => [(point.x - x) * scale, (point.y - y) * scale];
-  function units({ clientX, clientY }) {
-    const box = canvas.getBoundingClientRect();
-    return { x: x + (clientX - box.x) / scale, y: y + (clientY - box.y) / scale };
-  }
-  function reveal(point) {
-    const by = pixels(point).map((at, axis) => { const size = [width, height][axis]; return at < 40 || at > size - 40 ? size / 2 - at : 0; });
-    if (by.some(Boolean)) pan(...by);
-  }
 
   // What a place is, as text.
   function volts(output) {
     const value = state.frame?.volts[index.get(output)] ?? NaN;
-    return Number.isNaN(value) ? '' : value.toFixed(1).replace('-', '−');
+    return Number.isNaN(value) ? '' : minus(value.toFixed(1));
   }
   const nameOf = ({ type, element, jack, output, name }) => name ?? { in: `${element}.${jack}`, out: output }[type] ?? element?.name;
   function describe(one) {
@@ -81,19 +47,21 @@ export function mountBoard(root) {
     const value = volts(output);
     const { signal, unit, per_volt: perVolt } = state.patch.outputs[index.get(output)] ?? {};
     const list = (names, word) => (names.length ? `${word} ${names.join(', ')}` : 'no cord');
-    const goals = () => board.plugs.filter(({ moves, cord }) => moves === 'in' && cord.from === output).map(({ cord }) => `${cord.element}.${cord.jack}`);
+    const goals = () => board.plugs.filter(({ moves, cord }) => moves === 'in' && cord.from === output)
+      .map(({ cord }) => `${cord.element}.${cord.jack}`);
     const what = {
       in: () => ['input', list(view.cords, 'from'), view.description], out: () => ['output', list(goals(), 'to')],
       module: () => [element.kind, element.note], free: () => [`Free: ${section.title}. Enter adds an element`],
     }[type]?.() ?? [];
-    return [nameOf(one), ...what, value && `${value} V`, value && signal && `${signal} = ${quantity(state.frame.volts[index.get(output)] * perVolt, unit, 3)}`, ...notes.get(key) ?? []].filter(Boolean).join(', ');
+    if (value) what.push(`${value} V`, signal && `${signal} = ${quantity(state.frame.volts[index.get(output)] * perVolt, unit, 3)}`);
+    return [nameOf(one), ...what, ...notes.get(key) ?? []].filter(Boolean).join(', ');
   }
-  const label = (one) => one.node.setAttribute('aria-label', describe(one));
+  const label = (one) => { one.node.ariaLabel = describe(one); };
 
   // What is shown at a place.
   function put(box, point) {
-    pixels(point).forEach((at, axis) => {
-      const room = [width - box.offsetWidth, height - box.offsetHeight][axis];
+    zoom.pixels(point).forEach((at, axis) => {
+      const room = [zoom.width - box.offsetWidth, zoom.height - box.offsetHeight][axis];
       box.style[['left', 'top'][axis]] = `${Math.max(Math.min(at + 15, room - 6), 6)}px`;
     });
   }
@@ -102,7 +70,7 @@ export function mountBoard(root) {
     tip.hidden = !one;
     if (!one) return;
     tipText.textContent = describe(one);
-    tipButton.hidden = !canRemove || !['cord', 'module', 'loose'].includes(one.type) || canvas.dataset.lock === 'true';
+    tipButton.hidden = !canRemove || !['cord', 'module', 'loose'].includes(one.type) || board.isLocked();
     put(tip, one);
   }
   /** Shows what the pointer is on; without it, what has the focus. */
@@ -116,7 +84,7 @@ export function mountBoard(root) {
   /** The panel has two stops of the Tab key: one of the jacks and modules, and one of the cords. */
   function settle(one) {
     const layer = one.type === 'cord' ? cordLayer : face;
-    layer.querySelector('[tabindex="0"]')?.setAttribute('tabindex', -1);
+    for (const node of layer.querySelectorAll('[tabindex="0"]')) node.tabIndex = -1;
     one.node.tabIndex = 0;
     current = one;
   }
@@ -126,7 +94,7 @@ export function mountBoard(root) {
     settle(one);
     label(one);
     one.node.focus({ preventScroll: true });
-    reveal(one);
+    zoom.reveal(one);
     hover(null);
   }
   function bubble(message, point) {
@@ -135,12 +103,6 @@ export function mountBoard(root) {
     put(alert, point);
     clearTimeout(timer);
     timer = setTimeout(() => { alert.hidden = true; }, MARKED + 40 * message.length);
-  }
-  function ring({ box: [left, top, w, h] = [0, 0, 30, 30], ...one }, kind) {
-    const [ax, ay, rx] = w > 30 ? [left, top, 7] : [one.x - 15, one.y - 15, 18];
-    const node = svg('rect', { class: kind, x: ax - 3, y: ay - 3, width: w + 6, height: h + 6, rx });
-    over.append(node);
-    return node;
   }
   function placed({ element, jack, from }) {
     const keys = keysOf({ element, jack, from });
@@ -153,24 +115,25 @@ export function mountBoard(root) {
     for (const { severity, message, hint, place } of state.findings) {
       const one = place?.element && placed({ ...place, from: null });
       if (!one) continue;
-      const isError = severity === 'error';
       const before = notes.get(one.key) ?? [];
-      notes.set(one.key, [...before, `${isError ? 'Error' : 'Warning'}: ${message} ${hint}`]);
+      notes.set(one.key, [...before, `${severity === 'error' ? 'Error' : 'Warning'}: ${message} ${hint}`]);
       if (before.length) continue;
-      one.node.append(svg('g', { class: `mark ${severity}`, transform: `translate(${one.box ? [one.box[2] - 13, 30] : [11, 9]})` },
-        svg('path', { d: isError ? 'M0-9 9 7H-9Z' : 'M0 8 8-6H-8Z' }), isError && svg('text', { y: 5 }, '!')));
+      one.node.append(shape(`mark-${severity}`, { transform: `translate(${one.box ? [one.box[2] - 13, 30] : [11, 9]})` }));
     }
     board.stops.forEach(label);
   }
 
   const board = {
-    root, find, canvas, over, say, keep, stop, focus, pan, zoom, hover, bubble, ring, nameOf, render, units, hasFocus,
+    root, find, canvas, over, say, stop, focus, zoom, hover, bubble, nameOf, render, hasFocus,
     stops: [], plugs: [],
-    reach: (distance) => distance / Math.min(scale, 1.4),
+    isLocked: () => canvas.dataset.lock === 'true',
+    reach: (distance) => distance / Math.min(zoom.scale, 1.4),
     back: () => focus(current?.key),
     remove(one) {
       const { type, cord, id, element } = one;
-      send({ cord: { command: 'unplug', ...cord }, loose: { command: 'remove-loose', id }, module: { command: 'remove-element', name: element?.name } }[type]);
+      const what = { cord: ['unplug', cord], loose: ['remove-loose', { id }], module: ['remove-element', { name: element?.name }] };
+      const [command, rest] = what[type];
+      send({ command, ...rest });
       say(`Removed ${nameOf(one)}. Undo brings it back.`);
     },
   };
@@ -178,7 +141,7 @@ export function mountBoard(root) {
   async function render() {
     const { patch } = state;
     if (!patch || !isVisible() || !board.plates) return;
-    const name = keep(`plate.${patch.machine}`) ?? (board.plates[patch.machine] ? patch.machine : 'plain');
+    const name = stored(`board.plate.${patch.machine}`) ?? (board.plates[patch.machine] ? patch.machine : 'plain');
     if (plate.name !== name) plate = { name, ...await faceplate(name) };
     if (patch !== state.patch) return;
     const [before, had] = [current, hasFocus()];
@@ -188,14 +151,13 @@ export function mountBoard(root) {
     [board.stops, board.plugs, board.colours] = [[...drawn.stops.values(), ...cords.stops.values()], cords.plugs, cords.colours];
     face.replaceChildren(drawn.node);
     cordLayer.replaceChildren(...cords.nodes);
-    live.replaceChildren(svg('g', { class: drawn.node.getAttribute('class') }, drawn.live));
+    live.replaceChildren(svg('g', { class: `faceplate ${plate.class}` }, drawn.live));
     stage.style.aspectRatio = `${drawn.width + 40} / ${drawn.height + 40}`;
     index = new Map(patch.outputs.map((output, position) => [output.name, position]));
-    for (const { node, view } of drawn.stops.values()) node.classList.toggle('is-full', view?.most <= view?.cords.length && view.most !== null);
     if (cords.nodes.length) cords.nodes[0].tabIndex = 0;
     [tipped, last] = [null, 0];
-    if (isFitted) zoom(0, 0, 0, READABLE);
-    else show();
+    zoom.size = drawn;
+    zoom.resize();
     mark();
     const one = stop(before?.key) ?? (before?.cord && stop(keysOf(before.cord).in)) ?? drawn.stops.values().next().value;
     if (had) focus(one.key);
@@ -206,11 +168,10 @@ export function mountBoard(root) {
 
   on('patch', render);
   on('findings', () => { if (isVisible()) mark(); });
-  on('frame', ({ lamps, firstLamp }) => {
+  on('frame', (frame) => {
     if (!isShown) return;
     for (const lamp of drawn.lamps) {
-      const position = index.get(lamp.output);
-      const look = !lamps[position] ? 'off' : firstLamp === position ? 'first' : 'lit';
+      const look = lookOf(frame, index.get(lamp.output));
       if (look !== lamp.look) lamp.node.dataset.lamp = lamp.look = look;
     }
     if (performance.now() - last < PERIOD) return;
@@ -231,25 +192,22 @@ export function mountBoard(root) {
     const one = isVisible() && place?.element && placed(place);
     if (!one) return;
     stage.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
-    reveal(one);
-    const node = ring(one, 'seek');
-    setTimeout(() => node.remove(), MARKED);
+    zoom.reveal(one);
+    one.node.classList.add('is-sought');
+    setTimeout(() => one.node.classList.remove('is-sought'), MARKED);
   });
-  new ResizeObserver(() => {
-    [width, height] = [stage.clientWidth, stage.clientHeight];
-    if (!width) return;
-    if (isFitted) zoom(0, 0, 0, READABLE);
-    else show();
-    render();
-  }).observe(stage);
+  new ResizeObserver(render).observe(stage);
   new IntersectionObserver(([{ isIntersecting }]) => { isShown = isIntersecting; }).observe(stage);
-  canvas.addEventListener('focusin', ({ target }) => { if (target.dataset.key !== current?.key) focus(target.dataset.key); else hover(null); });
+  canvas.addEventListener('focusin', ({ target }) => {
+    if (target.dataset.key !== current?.key) focus(target.dataset.key);
+    else hover(null);
+  });
   root.addEventListener('focusout', ({ relatedTarget }) => { if (!stage.contains(relatedTarget)) hover(null, null); });
-  tipButton.addEventListener('click', () => {
+  tipButton.onclick = () => {
     const one = tipped;
     one.node.focus();
     board.remove(one);
-  });
+  };
   mountPatching(board);
   mountTools(board);
 }

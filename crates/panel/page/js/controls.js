@@ -1,20 +1,15 @@
 /** The controls of the machine: modes, time, speed, run, history. */
 
-import { byId, format, parse, quantity, within, write } from './dom.js';
+import { byId, format, parse, quantity, root, within, write } from './dom.js';
 import { bind } from './keys.js';
 import { on, send, state } from './state.js';
 
 /** Below this share of the wanted speed the page reports that the machine is slow. */
 const SLOW = 0.95;
 
-/** Writes only what has changed, because this runs for every frame. */
-function put(element, property, value) {
-  if (element[property] !== value) element[property] = value;
-}
-
 /** Presses those buttons of a group to which something applies. */
 export function press(group, applies) {
-  for (const each of group.children) put(each, 'ariaPressed', String(applies(each)));
+  for (const each of group.children) each.ariaPressed = applies(each);
 }
 
 function mountModes() {
@@ -23,41 +18,33 @@ function mountModes() {
     each.onclick = () => send({ command: 'mode', mode: each.value });
     bind(each.getAttribute('aria-keyshortcuts'), each.querySelector('.mode-name').textContent, each.onclick);
   }
-  const show = ({ mode }) => {
+  on('machine', ({ mode, stopped }) => {
     press(modes, ({ value }) => value === mode);
-    const stopped = state.machine?.stopped;
     text.dataset.stopped = Boolean(stopped);
     write(text, stopped ?? modes.querySelector(`[value=${mode}]`).dataset.about);
     // A first look at the panel: the button that makes a trace stands out until the machine has run.
-    if (['operate', 'repetitive', 'single'].includes(mode)) delete document.documentElement.dataset.first;
-  };
-  on('machine', show);
-  on('frame', show);
+    if (['operate', 'repetitive', 'single'].includes(mode)) delete root.dataset.first;
+  });
 }
 
 function mountSpeed() {
   const buttons = [...byId('speed').children];
-  const factors = buttons.map(({ value }) => (value ? Number(value) : null));
-  const choose = (at) => send({ command: 'speed', factor: factors[at] });
-  buttons.forEach((each, at) => { each.onclick = () => choose(at); });
+  const has = ({ value }, speed) => value === String(speed ?? '');
+  for (const each of buttons) each.onclick = () => send({ command: 'speed', factor: Number(each.value) || null });
   const step = (by) => {
-    const at = factors.indexOf(state.machine?.speed);
-    choose(within(0, (at < 0 ? 1 : at) + by, factors.length - 1));
+    const at = buttons.findIndex((each) => has(each, state.machine?.speed));
+    buttons[within(0, (at < 0 ? 1 : at) + by, buttons.length - 1)].click();
   };
   bind(',', 'Slower', () => step(-1));
   bind('.', 'Faster', () => step(1));
-  on('machine', ({ speed, rate }) => press(byId('speed'), (each) => rate === null && factors[buttons.indexOf(each)] === speed));
+  on('machine', ({ speed, rate }) => press(byId('speed'), (each) => rate === null && has(each, speed)));
 }
 
 function mountPause() {
   const pause = byId('pause');
   pause.onclick = () => send({ command: 'pause', paused: !state.machine?.paused });
   bind('Space', 'Pause or continue', pause.onclick);
-  on('machine', ({ paused }) => {
-    pause.ariaPressed = paused;
-    pause.querySelector('use').setAttribute('href', paused ? '#icon-play' : '#icon-pause');
-    write(pause.querySelector('span'), paused ? 'Continue' : 'Pause');
-  });
+  on('machine', ({ paused }) => { pause.ariaPressed = paused; });
 }
 
 /** Seconds with as many decimals as the length of the run needs, so that the digits stay in their places. */
@@ -89,16 +76,16 @@ function mountTime() {
   };
   // There is no `change` if the slider is back at its place.
   scrub.onpointerup = scrub.onpointercancel = scrub.onblur = () => setTimeout(() => { isMoved = false; }, 100);
-  on('machine', ({ oldest }) => put(scrub, 'min', String(oldest)));
+  on('machine', ({ oldest }) => { scrub.min = oldest; });
   on('frame', (frame) => {
     const { time } = frame;
     if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
     write(byId('time'), clock(time));
     write(byId('pace'), pace(frame, factor));
     if (isMoved) return;
-    put(scrub, 'max', String(Math.max(time, Number(scrub.min))));
-    put(scrub, 'disabled', time <= Number(scrub.min));
-    put(scrub, 'value', String(time));
+    scrub.max = Math.max(time, Number(scrub.min));
+    scrub.disabled = time <= Number(scrub.min);
+    scrub.value = time;
     write(value, quantity(time, 's'));
   });
 }
@@ -113,23 +100,23 @@ function mountOverload() {
   on('machine', ({ overloads }) => show(overloads[0]?.element));
 }
 
-/** A number that the patch or the machine gives by default: an empty field goes back to it. */
-function numberField(id, command) {
-  const input = byId(id);
+/** The field for an argument of a command. An empty field goes back to what the patch or the machine gives by default. */
+function numberField(command, argument, otherwise = null) {
+  const input = byId(command);
   // A text that is no number stays, so that it can be corrected.
   input.onchange = () => {
     const value = parse(input.value);
     input.ariaInvalid = input.value.trim() !== '' && value === null;
-    if (input.ariaInvalid === 'false') send(command(value));
+    if (input.ariaInvalid === 'false') send({ command, [argument]: value ?? otherwise });
   };
   input.onkeydown = ({ key }) => { if (key === 'Enter' || key === 'Escape') input.blur(); };
   return (value) => { if (document.activeElement !== input && input.ariaInvalid !== 'true') input.value = format(value, 6); };
 }
 
 function mountTiming() {
-  const sweep = numberField('sweep', (seconds) => ({ command: 'sweep', seconds }));
-  const rate = numberField('rate', (hertz) => ({ command: 'rate', hertz }));
-  const scale = numberField('time-scale', (value) => ({ command: 'time-scale', value: value ?? 1 }));
+  const sweep = numberField('sweep', 'seconds');
+  const rate = numberField('rate', 'hertz');
+  const scale = numberField('time-scale', 'value', 1);
   on('machine', (machine) => {
     sweep(machine.sweep);
     rate(machine.rate);

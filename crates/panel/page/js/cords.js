@@ -1,6 +1,6 @@
 /** The cords of the patch panel: their colours, their curves and their plugs. */
 
-import { svg } from './dom.js';
+import { keyed, shape } from './dom.js';
 
 const COLOURS = 8;
 /** The references have the same colours in every patch. */
@@ -18,7 +18,9 @@ function hash(text) {
 }
 
 /** The keys of a cord and of its jacks. */
-export const keysOf = ({ element, jack, from }) => ({ cord: `cord:${from}>${element}.${jack}`, out: `out:${from}`, in: `in:${element}.${jack}` });
+export const keysOf = ({ element, jack, from }) => ({
+  cord: `cord:${from}>${element}.${jack}`, out: `out:${from}`, in: `in:${element}.${jack}`
+});
 
 /** The colour of each output, by its name. Outputs nearby and cords into one element differ, and all colours are used. */
 function colours(cords, jacks) {
@@ -34,15 +36,18 @@ function colours(cords, jacks) {
       if (place && there && Math.hypot(place.x - there.x, place.y - there.y) < NEAR) cost[colour] += 100;
     }
     let colour = FIXED[from] ?? Math.floor(hash(from) * COLOURS);
-    if (!(from in FIXED)) cost.forEach((_, step) => { const other = (colour + 3 * step) % COLOURS; if (cost[other] < cost[colour]) colour = other; });
+    if (!(from in FIXED)) cost.forEach((_, step) => {
+      const other = (colour + 3 * step) % COLOURS;
+      if (cost[other] < cost[colour]) colour = other;
+    });
     found.set(from, colour);
     used[colour] += 1;
   }
   return found;
 }
 
-/** A hanging cord. Its sag and its bow depend on its name, so that cords do not cover each other. */
-export function curve(a, b, name = '') {
+/** The path of a hanging cord. Its sag and its bow depend on its name, so that cords do not cover each other. */
+function curve(a, b, name = '') {
   const [dx, dy] = [b.x - a.x, b.y - a.y];
   const sag = Math.min(22 + Math.hypot(dx, dy) * 0.26, 150) * (0.75 + hash(name) / 2);
   const bow = (hash(`${name}~`) - 0.5) * Math.min(Math.abs(dy) / 2, 120);
@@ -50,14 +55,13 @@ export function curve(a, b, name = '') {
   return `M${a.x} ${a.y}C${at(0.2)} ${at(0.8)} ${b.x} ${b.y}`;
 }
 
-const disc = (kind, r, more) => svg('circle', { class: kind, r, ...more });
-const plug = ({ x, y }) => svg('g', { transform: `translate(${x} ${y})` },
-  disc('plug-shade', 9, { cx: 1.5, cy: 3 }), disc('plug-body', 8.5), disc('', 8.5, { fill: 'url(#board-shine)' }), disc('plug-core', 3.2));
+/** The class of a cord with a colour. A loose cord from an input has none of its own. */
+export const cordClass = (colour = 4) => `cord cord-${colour + 1}`;
 
-/** A picture of a cord between two points. */
-export function drawCord(a, b, { name, colour = 4, ...attributes }) {
-  const path = (part) => svg('path', { class: `cord-${part}`, d: curve(a, b, name), transform: part === 'shade' && 'translate(2 6)' });
-  return svg('g', { class: `cord cord-${colour + 1}`, ...attributes }, ['shade', 'body', 'shine', 'hit'].map(path), plug(a), plug(b));
+/** Puts the curves and the plugs of a cord between two points. */
+export function lay(node, a, b, name) {
+  for (const path of node.querySelectorAll('path')) path.setAttribute('d', curve(a, b, name));
+  [a, b].forEach(({ x, y }, end) => node.children[4 + end].setAttribute('transform', `translate(${x} ${y})`));
 }
 
 /**
@@ -65,7 +69,8 @@ export function drawCord(a, b, { name, colour = 4, ...attributes }) {
  * @returns {{nodes: Element[], stops: Map<string, any>, plugs: any[], colours: Map<string, number>}}
  */
 export function drawCords({ elements, loose }, jacks) {
-  const cords = elements.flatMap(({ name, jacks: own }) => own.flatMap(({ name: jack, cords: outputs }) => outputs.map((from) => ({ element: name, jack, from }))));
+  const cords = elements.flatMap(({ name, jacks: own }) => own.flatMap(({ name: jack, cords: outputs }) =>
+    outputs.map((from) => ({ element: name, jack, from }))));
   const found = colours(cords, jacks);
   const heights = new Map();
   const stops = new Map();
@@ -78,9 +83,11 @@ export function drawCords({ elements, loose }, jacks) {
     return jack && { x: jack.x + height * STACKED, y: jack.y - height * STACKED, jack };
   }
   function add(key, name, a, b, data) {
-    const node = drawCord(a, b, { name, colour: found.get(data.output), role: 'button', tabindex: -1, 'data-key': key });
-    stops.set(key, { key, node, name, ...data, length: Math.hypot(a.x - b.x, a.y - b.y) });
-    return stops.get(key);
+    const node = shape('cord', { class: cordClass(found.get(data.output)), ...keyed(key) });
+    lay(node, a, b, name);
+    const one = { key, node, name, ...data, length: Math.hypot(a.x - b.x, a.y - b.y) };
+    stops.set(key, one);
+    return one;
   }
   for (const cord of cords) {
     const { from, element, jack } = cord;
@@ -93,7 +100,12 @@ export function drawCords({ elements, loose }, jacks) {
   }
   for (const { id, end, at: [x, y] } of loose) {
     const a = stack(end.output ? `out:${end.output}` : keysOf(end).in);
-    if (a) plugs.push(add(`loose:${id}`, `Loose cord at ${end.output ?? `${end.element}.${end.jack}`}`, a, { x, y }, { type: 'loose', id, fixed: a.jack, output: end.output, x, y }));
+    if (!a) continue;
+    const data = { type: 'loose', id, fixed: a.jack, output: end.output, x, y };
+    plugs.push(add(`loose:${id}`, `Loose cord at ${end.output ?? `${end.element}.${end.jack}`}`, a, data, data));
   }
-  return { nodes: [...stops.values()].sort((one, other) => other.length - one.length).map(({ node }) => node), stops, plugs, colours: found };
+  return {
+    nodes: [...stops.values()].sort((one, other) => other.length - one.length).map(({ node }) => node),
+    stops, plugs, colours: found
+  };
 }

@@ -1,6 +1,7 @@
 /** One dial: a knob with a scale, and a field in which its value can be typed exactly. */
 
-import { fill, format, template, within } from './dom.js';
+import { fill, format, minus, parse, template, within } from './dom.js';
+import { refusalOf } from './state.js';
 
 /** The angle from the top to an end of the scale of a dial of one turn, in degrees. */
 const SWEEP = 135;
@@ -71,12 +72,11 @@ function drawMarks(path, { log, low, high, position }, isLong) {
   fill(path, { 'stroke-dasharray': `0 ${dashes.join(' ')} 9` });
 }
 
-/** Reads a number as in JSON, and perhaps its unit. Returns the number, or what is wrong. */
+/** Reads a number, and perhaps its unit. Returns the number, or what is wrong. */
 function typed(text, unit) {
-  const [, number, suffix] = /^\s*(-?(?:0|[1-9]\d*)(?:\.\d+)?(?:e[+-]?\d+)?)\s*((?![\d.,]).*?)\s*$/i.exec(text) ?? [];
-  if (number === undefined) return `"${text.trim()}" is not a number. Write it as 2.5, -3 or 1e-3.`;
-  if (!suffix || suffix === unit) return Number(number);
-  return unit ? `The unit is ${unit}, not ${suffix}.` : 'This number has no unit.';
+  const plain = text.trim();
+  const own = plain.endsWith(unit) ? plain.slice(0, plain.length - unit.length) : plain;
+  return parse(own) ?? `"${plain}" is not a number${unit && ` in ${unit}`}. Write it as 2.5, -3 or 1e-3.`;
 }
 
 /**
@@ -105,7 +105,7 @@ export function dial(options) {
     ends = `${scale.low} ${scale.high}`;
     for (const [text, end, name] of [[low, scale.low, 'min'], [high, scale.high, 'max']]) {
       const short = format(end, 3);
-      text.textContent = (short.replace('-', '').length > 6 ? end.toExponential().replace('e+', 'e') : short).replace(/^-/, '−');
+      text.textContent = minus(short.length > 6 ? end.toExponential().replace('e+', 'e') : short);
       fill(knob, { [`aria-value${name}`]: end });
     }
     if (perTurn) return;
@@ -147,11 +147,11 @@ export function dial(options) {
     requestAnimationFrame(async () => {
       isQueued = false;
       open += 1;
-      const refusal = (await options.turned(shown)).find(({ event }) => event === 'refused');
+      const refusal = refusalOf(await options.turned(shown));
       open -= 1;
       if (open || isQueued) return;
-      isRefused = Boolean(refusal);
-      if (refusal) note(refusal.message);
+      isRefused = refusal !== undefined;
+      if (isRefused) note(refusal);
       else show(latest);
     });
   }
@@ -174,8 +174,8 @@ export function dial(options) {
     turn(value === shown ? within(scale.low, shown + Math.sign(by) * scale.step(), scale.high) : value);
   }
 
-  fill(knob, {
-    'aria-label': label,
+  Object.assign(knob, {
+    ariaLabel: label,
     onpointerdown(event) {
       if (event.button || !mayTurn()) return;
       knob.setPointerCapture(event.pointerId);
@@ -210,7 +210,9 @@ export function dial(options) {
     },
     onkeydown(event) {
       const arrow = (perTurn ? 0.001 : 0.01) * (event.shiftKey ? 0.1 : 1);
-      const by = { ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1 }[event.key];
+      const by = {
+        ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1
+      }[event.key];
       if (!by || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
       nudge(by, event.shiftKey);
@@ -226,8 +228,8 @@ export function dial(options) {
     return draw(answer);
   }
 
-  fill(field, {
-    'aria-label': `${label}, exact value`,
+  Object.assign(field, {
+    ariaLabel: `${label}, exact value`,
     onfocus() {
       if (!isEdited && !Number.isNaN(shown)) field.value = shown;
       field.select();

@@ -34,11 +34,32 @@ export const within = (low, value, high) => Math.min(high, Math.max(low, value))
 
 export const byId = (id) => document.getElementById(id);
 
+/** The element `html`. Tests import this module without a page. */
+export const root = globalThis.document?.documentElement;
+
+/** What this browser keeps by a name. A value is kept first. */
+export function stored(name, value) {
+  if (value !== undefined) localStorage.setItem(`patchcord.${name}`, value);
+  return localStorage.getItem(`patchcord.${name}`);
+}
+
+/** Hides the nodes that do not have all words of a text. */
+export function filter(nodes, text) {
+  const words = text.toLowerCase().split(/\s+/);
+  for (const node of nodes) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
+}
+
 /** A copy of a template of index.html, and its parts by the names in `data-part`. @returns {Record<string, any>} */
 export function template(id) {
   const node = byId(id).content.firstElementChild.cloneNode(true);
   return { node, ...Object.fromEntries([...node.querySelectorAll('[data-part]')].map((part) => [part.dataset.part, part])) };
 }
+
+/** A copy of the drawing in a template, with more attributes. */
+export const shape = (id, attributes) => fill(byId(id).content.querySelector('g').cloneNode(true), attributes);
+
+/** The attributes of a place of the patch panel that can have the focus, if it has a key. */
+export const keyed = (key) => key && { role: 'button', tabindex: -1, 'data-key': key };
 
 /** Writes a text only if it is another one, because many are written for every frame. */
 export function write(element, text) {
@@ -50,13 +71,6 @@ export function float(box, x, y) {
   const { width, height } = box.getBoundingClientRect();
   box.style.left = `${within(8, x, innerWidth - width - 8)}px`;
   box.style.top = `${within(8, y, innerHeight - height - 8)}px`;
-}
-
-/** A field with its label: `label('Length', input, 's')`. */
-export function label(text, control, unit) {
-  return el('label', { class: 'field' },
-    el('span', { class: 'field-name' }, text),
-    el('span', { class: 'field-box' }, control, unit && el('span', { class: 'unit' }, unit)));
 }
 
 /** A button with a text. */
@@ -72,6 +86,9 @@ export function format(number, digits = 4) {
   return String(Number(number.toPrecision(digits)));
 }
 
+/** A text of a number with a true minus sign. */
+export const minus = (text) => text.replace(/^-/, '−');
+
 /** A number for reading, with its unit: "−1.5 m", "1.2·10⁻⁷ kg", "20 µs". The unit "1" is left out. */
 export function quantity(value, unit = '', digits = 4) {
   if (!Number.isFinite(value)) return '—';
@@ -80,8 +97,8 @@ export function quantity(value, unit = '', digits = 4) {
   const power = most === undefined || !value ? 0 : within(-4, Math.floor(Math.log10(Math.abs(value) * (1 + 1e-9)) / 3), most);
   const name = ['p', 'n', 'µ', 'm', '', 'k', 'M'][power + 4] + (unit === '1' ? '' : unit);
   const [mantissa, exponent] = format(value / 1000 ** power, digits).split('e');
-  const raised = exponent ? `·10${[...exponent].map((sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign])).join('')}` : '';
-  return `${mantissa.replace('-', '−')}${raised}${name && '\u202f'}${name}`;
+  const raised = exponent ? `·10${exponent.replace(/./g, (sign) => '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign] ?? '⁻')}` : '';
+  return `${minus(mantissa)}${raised}${name && '\u202f'}${name}`;
 }
 
 /** The number in a field, or null. A decimal comma and a true minus sign are accepted. */

@@ -1,6 +1,6 @@
 /** The faceplate of a machine: where its modules and jacks are, and their picture. */
 
-import { quantity, svg } from './dom.js';
+import { keyed, quantity, shape, svg } from './dom.js';
 
 const [PITCH, ROW, PAD, GAP, MARGIN, HEAD] = [28, 46, 9, 14, 24, 44];
 /** Sections become wider by at most this factor, so that a row fills the panel. */
@@ -37,12 +37,14 @@ function fill(plate, { elements, outputs, parts }, kinds) {
 /** Places the jacks of a module: by name where the faceplate has a place, the others where there is room. */
 function connect(module, { jacks: own = {}, out: [left, top] }) {
   const { element, output } = module;
-  module.outs = (element?.outputs ?? [output]).map((name, row) => ({ type: 'out', output: name, element: element?.name, x: left, y: top + row * ROW }));
+  module.outs = (element?.outputs ?? [output]).map((name, row) =>
+    ({ type: 'out', output: name, element: element?.name, x: left, y: top + row * ROW }));
   const holes = Object.keys(own).map((name) => ({ name, label: name.slice(1), description: '', most: null, cords: [] }));
   const views = element ? [...element.jacks] : output ? [] : holes;
   // Every gain of a summing input at the faceplate can be used.
   if (element && views.some(isGain)) views.push(...holes.filter((hole) => isGain(hole) && !views.some(({ name }) => name === hole.name)));
-  module.jacks = views.map((view) => ({ type: 'in', element: element?.name, jack: view.name, view, x: own[view.name]?.[0], y: own[view.name]?.[1] }));
+  module.jacks = views.map((view) =>
+    ({ type: 'in', element: element?.name, jack: view.name, view, x: own[view.name]?.[0], y: own[view.name]?.[1] }));
   let [x, y] = [20, top];
   for (const jack of module.jacks) {
     while (jack.x === undefined) {
@@ -109,19 +111,19 @@ function arrange(plate, patch, kinds) {
 function caption({ kind, settings }, name) {
   const set = Object.fromEntries(settings.filter(({ value, text }) => value !== null || text !== null).map((one) => [one.name, one]));
   if (set.setting) return set.setting.value?.toFixed(4) ?? set.setting.text;
-  const rows = [['initial', 'IC'], ['limit.upper', '≤'], ['limit.lower', '≥']].filter(([key]) => set[key]).map(([key, sign]) => `${sign} ${quantity(set[key].value, 'V')}`);
+  const rows = [['initial', 'IC'], ['limit.upper', '≤'], ['limit.lower', '≥']].filter(([key]) => set[key])
+    .map(([key, sign]) => `${sign} ${quantity(set[key].value, 'V')}`);
   const words = settings.filter(({ form, value }) => form === 'choice' && value !== null).map((one) => one.words[one.value]);
   return [name, ...rows, ...words, kind === 'key-switch' && (set.closed?.value ? 'closed' : 'open')].filter(Boolean).join(' · ');
 }
 
 const move = ([x, y]) => ({ transform: `translate(${x} ${y})` });
-const circle = (kind, r, more) => svg('circle', { class: kind, r, ...more });
 /** A text, compressed if it is too long for its room. */
 function text(kind, x, y, content = '', room = Infinity, size = 6.1) {
-  return svg('text', { class: kind, x, y, ...content.length * size > room && { textLength: room, lengthAdjust: 'spacingAndGlyphs' } }, content);
+  return svg('text', {
+    class: kind, x, y, ...content.length * size > room && { textLength: room, lengthAdjust: 'spacingAndGlyphs' }
+  }, content);
 }
-/** Something that can have the focus, if it has a key. */
-const stop = (key, attributes, ...children) => svg('g', { ...attributes, ...key && { role: 'button', tabindex: -1, 'data-key': key } }, children);
 
 /**
  * Draws a faceplate. `stops` are jacks, modules and free places by their keys; `live` is what changes in a run.
@@ -134,8 +136,10 @@ export function draw(plate, patch, kinds) {
   const [outs, lamps] = [[], []];
   function drawJack({ x, y, ...data }, name, label) {
     const key = name && `${data.type}:${name}`;
-    const node = stop(key, { class: `jack ${data.type}`, ...move([x, y]) }, circle('collar', 10.5), circle('', 7.5, { fill: 'url(#board-metal)' }), circle('hole', 4),
-      label && text('jack-label', 0, -15, label, 27));
+    const { most, cords } = data.view ?? {};
+    const isFull = most !== null && most <= cords?.length;
+    const node = shape('jack', { class: `jack ${data.type}${isFull ? ' is-full' : ''}`, ...move([x, y]), ...keyed(key) });
+    if (label) node.append(text('jack-label', 0, -15, label, 27));
     if (key) stops.set(key, { key, node, x, y, ...data });
     if (key && data.type === 'out') outs.push({ name, node: text('volts', x, y + 25) });
     return node;
@@ -143,27 +147,36 @@ export function draw(plate, patch, kinds) {
   function drawModule({ element, output, helps, part, at, w, h, jacks, outs: own, knob }, section, index) {
     const type = element ? 'module' : output || helps ? null : 'free';
     const key = type && `${type}:${element?.name ?? section.title + index}`;
-    const face = stop(key, { class: 'plate' }, svg('rect', { width: w, height: h, rx: 4 }),
+    const face = svg('g', { class: 'plate', ...keyed(key) }, svg('rect', { width: w, height: h, rx: 4 }),
       text('name', 9, 18, element?.name ?? plate.references[output] ?? part, w - (element?.lamp ? 32 : 14), 8));
     if (key) stops.set(key, { key, node: face, type, element, section, x: at[0] + 24, y: at[1] + 14, box: [...at, w, h] });
-    if (element?.lamp) lamps.push({ output: element.outputs[0], node: circle('bulb', 5, move([at[0] + w - 14, at[1] + 13])) });
+    if (element?.lamp) lamps.push({
+      output: element.outputs[0], node: svg('circle', { class: 'bulb', r: 5, ...move([at[0] + w - 14, at[1] + 13]) })
+    });
     const line = element ? caption(element, section.add !== element.kind && element.kind.replaceAll('-', ' ')) : helps && `of ${helps}`;
-    const turn = 300 * (element?.settings.find(({ name }) => name === 'setting')?.value ?? 0) - 150;
+    const pot = knob && shape('pot', { 'data-knob': element?.name, ...move(knob) });
+    const setting = element?.settings.find(({ name }) => name === 'setting')?.value ?? 0;
+    pot?.lastElementChild.setAttribute('transform', `rotate(${300 * setting - 150})`);
     return svg('g', { class: `module${element || output ? '' : helps ? ' is-helper' : ' is-free'}` },
-      svg('g', move(at), face, knob ? text('caption is-middle', knob[0], knob[1] + 28, line || '') : text('caption', 9, 33, line || '', w - 14),
-        knob && svg('g', { class: 'pot', 'data-knob': element?.name, ...move(knob) }, circle('skirt', 16), circle('', 12.5, { fill: 'url(#board-cap)' }),
-          svg('path', { d: 'M0-3V-12', transform: `rotate(${turn})` }))),
-      jacks.map((jack) => drawJack(jack, element && `${element.name}.${jack.jack}`, jack.view.label !== 'in' && element && jack.view.label)),
+      svg('g', move(at), face,
+        knob ? text('caption is-middle', knob[0], knob[1] + 28, line || '') : text('caption', 9, 33, line || '', w - 14),
+        pot),
+      jacks.map((jack) => drawJack(jack, element && `${element.name}.${jack.jack}`,
+        jack.view.label !== 'in' && element && jack.view.label)),
       own.map((out) => drawJack(out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
   }
+  function drawFrame({ x, y, w, h, title, class: kind }) {
+    const frame = shape('section', { class: `section ${kind}`, ...move([x, y]) });
+    frame.firstElementChild.setAttribute('width', w);
+    frame.firstElementChild.setAttribute('height', h);
+    frame.lastElementChild.textContent = title;
+    return frame;
+  }
   const panel = (attributes) => svg('rect', { width, height, rx: 12, ...attributes });
-  const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map((at, turn) =>
-    svg('g', move(at), circle('', 6, { fill: 'url(#board-metal)' }), svg('path', { class: 'slot', d: 'M-5 0H5', transform: `rotate(${turn * 53})` })));
+  const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map(([x, y], turn) =>
+    shape('screw', { transform: `translate(${x} ${y}) rotate(${turn * 53})` }));
   const node = svg('g', { class: `faceplate ${plate.class}` }, panel({ class: 'panel' }), panel({ fill: 'url(#board-sheen)' }), screws,
     text('make', MARGIN + 6, 29, plate.title), text('small-print', width - MARGIN - 6, height - 12, plate.note),
-    sections.map((section) => svg('g', { class: `section ${section.class}` },
-      svg('rect', { class: 'frame', x: section.x, y: section.y, width: section.w, height: section.h, rx: 7 }),
-      svg('rect', { class: 'stripe', x: section.x + 9, y: section.y + 8, width: 10, height: 10, rx: 2 }),
-      text('section-title', section.x + 25, section.y + 17, section.title), section.modules.map((module, index) => drawModule(module, section, index)))));
+    sections.flatMap((section) => [drawFrame(section), ...section.modules.map((module, index) => drawModule(module, section, index))]));
   return { node, live: [...outs, ...lamps].map((one) => one.node), stops, outs, lamps, width, height };
 }

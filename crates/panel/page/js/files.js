@@ -1,19 +1,16 @@
 /** Opening, saving, and what the page begins with. */
 
 import { isChanged, keep, markSaved, mountAutosave, replace, restore, resume } from './autosave.js';
-import { openDialog } from './dialogs.js';
-import { button, el, label } from './dom.js';
+import { byId, el, root } from './dom.js';
 import { pieces, showGallery } from './gallery.js';
 import { bind } from './keys.js';
 import { token } from './link.js';
 import { toast } from './messages.js';
 import { baseName, share, takeLink, textOf } from './share.js';
-import { on, send, state } from './state.js';
+import { ask, on, send, state } from './state.js';
 
 /** The largest file in bytes, as for the command. */
 const LARGEST_FILE = 16e6;
-
-const byId = (id) => document.getElementById(id);
 
 /** Puts the path of a patch of the gallery into the address, or none. */
 function setAddress(path = '') {
@@ -28,13 +25,14 @@ const attempt = (open) => open().catch((fault) => {
 
 async function openText(name, text, path) {
   const isOpen = await replace({ command: 'open', name, text }, { path });
-  if (isOpen) document.documentElement.dataset.first = '';
+  if (isOpen) root.dataset.first = '';
   return isOpen;
 }
 
 /** Keeps the present patch, or asks before its changes are lost. @returns {Promise<boolean>} whether to continue */
 async function mayReplace() {
-  return !isChanged() || await keep() || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
+  return !isChanged() || await keep()
+    || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
 }
 
 const openFile = (file) => attempt(async () => {
@@ -42,16 +40,15 @@ const openFile = (file) => attempt(async () => {
   if (await mayReplace() && await openText(file.name, text)) setAddress();
 });
 
-function create() {
-  const machines = state.hello?.machines ?? [];
-  const choice = el('select', null, machines.map(({ name, title }) =>
-    el('option', { value: name, selected: name === state.patch?.machine }, title || name)));
-  const make = async () => {
-    dialog.close();
-    if (await mayReplace() && await replace({ command: 'new', machine: choice.value || null })) setAddress();
-  };
-  const dialog = openDialog('New patch', [label('Machine', choice), el('div', { class: 'dialog-buttons' },
-    button('Cancel', () => dialog.close()), button('Create', make, { class: 'primary', autofocus: true }))]);
+function chooseMachine() {
+  const isPresent = ({ name }) => name === state.patch?.machine;
+  byId('machine').replaceChildren(...(state.hello?.machines ?? []).map((each) =>
+    new Option(each.title || each.name, each.name, false, isPresent(each))));
+  byId('new-dialog').showModal();
+}
+
+async function create() {
+  if (await mayReplace() && await replace({ command: 'new', machine: byId('machine').value || null })) setAddress();
 }
 
 /** Gives the user a file. */
@@ -62,8 +59,7 @@ export function download(name, content, type) {
 }
 
 async function save() {
-  const events = await send({ command: 'text' });
-  const text = events.find(({ event }) => event === 'text');
+  const text = await ask('text');
   if (!text) return;
   download(baseName(text.name) || 'patch.json', text.text, 'application/json');
   markSaved();
@@ -71,7 +67,7 @@ async function save() {
 
 function mountDrop() {
   const hasFile = ({ dataTransfer }) => dataTransfer?.types.includes('Files');
-  const show = (isOver) => document.documentElement.toggleAttribute('data-dropping', isOver);
+  const show = (isOver) => root.toggleAttribute('data-dropping', isOver);
   addEventListener('dragover', (event) => {
     if (!hasFile(event)) return;
     event.preventDefault();
@@ -143,7 +139,7 @@ export async function begin() {
 
 /** The title of the window has a mark while the patch differs from its file. */
 function mark() {
-  document.documentElement.toggleAttribute('data-changed', isChanged());
+  root.toggleAttribute('data-changed', isChanged());
   document.title = (isChanged() ? '• ' : '') + document.title.replace(/^• /, '');
 }
 
@@ -151,14 +147,15 @@ function mark() {
 export function mountFiles() {
   const input = byId('file');
   const choose = () => input.click();
-  input.addEventListener('change', () => {
+  input.onchange = () => {
     if (input.files.length) openFile(input.files[0]);
     // The same file can be opened again after a change.
     input.value = '';
-  });
-  for (const [id, key, text, run] of [['gallery', 'g', 'Gallery', () => showGallery(GALLERY)], ['new', null, 'New patch', create],
-    ['open', 'Ctrl+O', 'Open a patch', choose], ['save', 'Ctrl+S', 'Save the patch', save], ['share', null, 'Share', share]]) {
-    byId(id).addEventListener('click', run);
+  };
+  byId('create').onclick = create;
+  for (const [id, key, text, run] of [['gallery', 'g', 'Gallery', () => showGallery(GALLERY)], ['new', null, null, chooseMachine],
+    ['open', 'Ctrl+O', 'Open a patch', choose], ['save', 'Ctrl+S', 'Save the patch', save], ['share', null, null, share]]) {
+    byId(id).onclick = run;
     if (key) bind(key, text, run);
   }
   mountDrop();

@@ -31,43 +31,24 @@ export function decode(buffer) {
   const f64 = () => view.getFloat64((at += 8) - 8, true);
   const volts = () => { const value = f64(); return Number.isNaN(value) ? null : value; };
   const floats = (count) => new Float32Array(buffer, (at += 4 * count) - 4 * count, count);
+  const picture = () => {
+    const [isPlane, generation, used] = [u32(), u32(), u32()];
+    if (isPlane) return { display: 'plane', generation, first: used && u32(), points: floats(used && 3 * u32()) };
+    const [left, columnSeconds, reached, bits] = [f64(), f64(), u32(), u32()];
+    const channels = [1, 2].map((bit) => (bits & bit ? floats(2 * reached) : null));
+    return { display: 'time', generation, left, columnSeconds, reached, channels };
+  };
 
   if (u32() !== 0x31464350) throw new Error('The data of the machine are not a frame.');
   const frame = { revision: u32(), time: f64(), factor: f64() };
-  const flags = view.getUint8(25);
-  const firstLamp = view.getUint16(26, true);
-  Object.assign(frame, {
-    mode: MODES[view.getUint8(24)],
-    moves: (flags & 1) > 0,
-    paused: (flags & 2) > 0,
-    overload: (flags & 4) > 0,
-    stopped: (flags & 8) > 0,
-    firstLamp: firstLamp ? firstLamp - 1 : null,
-  });
-  at = 28;
-  frame.repetitions = u32();
-  frame.meter = volts();
-  frame.nullMeter = volts();
+  const [mode, flags, lamp] = [view.getUint8(at), view.getUint8(at + 1), view.getUint16(at + 2, true)];
+  at += 4;
+  ['moves', 'paused', 'overload', 'stopped'].forEach((name, bit) => { frame[name] = (flags >> bit & 1) > 0; });
+  Object.assign(frame, { mode: MODES[mode], firstLamp: lamp ? lamp - 1 : null, repetitions: u32(), meter: volts(), nullMeter: volts() });
   const outputs = u32();
   frame.volts = floats(outputs);
   frame.lamps = new Uint8Array(buffer, at, outputs);
   at += Math.ceil(outputs / 4) * 4;
-
-  const picture = () => {
-    const isPlane = u32() === 1;
-    const generation = u32();
-    const used = u32();
-    if (isPlane) {
-      const first = used ? u32() : 0;
-      return { display: 'plane', generation, first, points: floats(used ? 3 * u32() : 0) };
-    }
-    const left = f64();
-    const columnSeconds = f64();
-    const reached = u32();
-    const bits = u32();
-    const channels = [1, 2].map((bit) => (bits & bit ? floats(2 * reached) : null));
-    return { display: 'time', generation, left, columnSeconds, reached, channels };
-  };
   frame.scopes = [picture(), picture()];
   return frame;
 }

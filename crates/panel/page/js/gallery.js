@@ -1,14 +1,14 @@
 /** The gallery: the shipped patches, and those that this browser keeps. */
 
 import { forget, recent } from './autosave.js';
-import { openDialog } from './dialogs.js';
-import { button, el, quantity } from './dom.js';
+import { byId, el, filter, quantity, template } from './dom.js';
 import { on } from './state.js';
 
-/** @typedef {{path: string, title: string, line: string, group: string, picture: string, machine: string, duration: number | null, note: string, source: string}} Piece */
+/**
+ * @typedef {{path: string, title: string, line: string, group: string, picture: string, machine: string,
+ *   duration: number | null, note: string, source: string}} Piece
+ */
 
-/** @type {HTMLDialogElement | null} */
-let dialog = null;
 /** @type {Promise<Piece[]> | null} */
 let list = null;
 
@@ -18,76 +18,67 @@ export function pieces() {
   return list;
 }
 
-/** A card that opens a patch: a link, or a button without one. `text` is what the search looks at. */
-function cardOf({ href, picture, title, line, run }, more, text) {
-  const onclick = (event) => {
+const [dialog, search, body, status] = ['dialog', 'search', 'body', 'status'].map((name) => byId(`gallery-${name}`));
+
+/** A card that opens a patch. Returns its parts. */
+function cardOf(id, picture, title, line, run) {
+  const parts = template(id);
+  const { image, name, about, link } = parts;
+  image.src = picture ?? 'icon.svg';
+  name.textContent = title;
+  about.textContent = line;
+  link.onclick = (event) => {
     // The browser opens links in other tabs.
     if (event.ctrlKey || event.metaKey || event.shiftKey) return;
     event.preventDefault();
     dialog.close();
     run();
   };
-  const card = el('li', null, el(href ? 'a' : 'button', { class: 'piece', href, onclick },
-    el('img', { src: picture, alt: '', width: 160, height: 96 }), el('strong', null, title), el('span', null, line)), more);
-  card.text = text.join(' ').toLowerCase();
-  return card;
+  return parts;
 }
 
 function pieceCard({ path, title, line, picture, machine, duration, note, source }, open) {
-  const facts = Object.entries({ Machine: machine, Run: duration && quantity(duration, 's'), Note: note, Source: source });
-  return cardOf({ href: `?patch=${path}`, picture, title, line, run: () => open(path) },
-    el('details', null, el('summary', { 'aria-label': `See inside ${title}` }, 'See inside'),
-      el('dl', null, facts.filter(([, value]) => value).map(([name, value]) => el('div', null, el('dt', null, name), el('dd', null, value))))),
-    [title, line, note, source, path]);
+  const { node, link, inside, facts } = cardOf('piece', picture, title, line, () => open(path));
+  link.href = `?patch=${path}`;
+  inside.ariaLabel = `See inside ${title}`;
+  const rows = Object.entries({ Machine: machine, Run: duration && quantity(duration, 's'), Note: note, Source: source, File: path });
+  facts.append(...rows.filter(([, value]) => value).map(([name, value]) => el('div', null, el('dt', null, name), el('dd', null, value))));
+  return node;
 }
 
-function recentCard({ id, title, file, time, path }, all, open) {
-  const name = title || file;
+function keptCard({ id, title, file, time, path }, all, restore) {
   const date = new Date(time).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' });
-  const remove = async () => {
+  const name = title || file;
+  const { node, remove } = cardOf('kept-piece', all.find((piece) => piece.path === path)?.picture, name, date, () => restore(id));
+  remove.ariaLabel = `Delete ${name} of ${date}`;
+  remove.onclick = async () => {
     if (!confirm(`Delete “${name}” of ${date} from this browser?`)) return;
     await forget(id);
-    card.remove();
-    dialog?.querySelector('input').focus();
+    node.remove();
+    search.focus();
   };
-  const card = cardOf({ picture: all.find((piece) => piece.path === path)?.picture ?? 'icon.svg', title: name, line: date, run: () => open(id) },
-    button('Delete', remove, { class: 'small', 'aria-label': `Delete ${name} of ${date}` }), [name, file]);
-  return card;
+  return node;
 }
 
 /** Shows the cards that have all words. */
-function filter(body, status, text) {
-  const words = text.toLowerCase().split(/\s+/);
-  let count = 0;
-  for (const section of body.children) {
-    const cards = [...section.querySelectorAll('li')];
-    for (const card of cards) card.hidden = !words.every((word) => card.text.includes(word));
-    const shown = cards.filter((card) => !card.hidden).length;
-    section.hidden = shown === 0;
-    count += shown;
-  }
-  status.textContent = text.trim() && `${count} found`;
-}
+search.oninput = () => {
+  filter(body.querySelectorAll('li'), search.value);
+  for (const section of body.children) section.hidden = !section.querySelector('li:not([hidden])');
+  status.textContent = search.value.trim() && `${body.querySelectorAll('li:not([hidden])').length} found`;
+};
 
 /** Opens the gallery. @param {{open: (path: string) => void, restore: (id: string) => void}} actions */
 export async function showGallery({ open, restore }) {
   const all = await pieces();
   const kept = await recent();
-  if (dialog) return;
-  const sections = [['Recent', kept.map((row) => recentCard(row, all, restore))], ...[...new Set(all.map(({ group }) => group))].map((name) =>
-    [name, all.filter(({ group }) => group === name).map((piece) => pieceCard(piece, open))])];
-  const body = el('div', { class: 'gallery-body' }, sections.map(([name, cards]) =>
-    cards.length > 0 && el('section', { 'aria-label': name }, el('h3', null, name), el('ul', null, cards))));
-  const status = el('p', { role: 'status' });
-  const search = el('input', {
-    type: 'search', placeholder: 'Search', 'aria-label': 'Search the gallery', autofocus: matchMedia('(pointer: fine)').matches,
-    oninput: () => filter(body, status, search.value),
-  });
-  dialog = openDialog('Gallery', [
-    el('div', { class: 'gallery-bar' }, search, status, button('×', () => dialog.close(), { class: 'close', 'aria-label': 'Close the gallery' })),
-    body], { class: 'dialog gallery' });
-  dialog.addEventListener('close', () => { dialog = null; });
+  if (dialog.open) return;
+  const sections = { Recent: kept.map((row) => keptCard(row, all, restore)) };
+  for (const piece of all) (sections[piece.group] ??= []).push(pieceCard(piece, open));
+  body.replaceChildren(...Object.entries(sections).filter(([, cards]) => cards.length).map(([name, cards]) =>
+    el('section', { 'aria-label': name }, el('h3', null, name), el('ul', null, cards))));
+  search.value = status.textContent = '';
+  dialog.showModal();
 }
 
 // The message about a lost connection would be behind the gallery.
-on('link', () => dialog?.close());
+on('link', () => dialog.close());

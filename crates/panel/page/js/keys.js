@@ -1,9 +1,7 @@
 /** Keys of the page. The table that carries them out is also the list that the page shows. */
 
-import { byId, el } from './dom.js';
+import { byId, el, stored } from './dom.js';
 import { cancelProbe } from './state.js';
-
-const OFF = 'patchcord.letters-off';
 
 /** @type {{key: string, text: string, run: (event: KeyboardEvent) => void}[]} */
 const table = [];
@@ -27,20 +25,17 @@ function isTaken({ target, key, defaultPrevented, altKey, isComposing }, name) {
   if (defaultPrevented || altKey || isComposing || document.querySelector('dialog[open]')) return true;
   // A field undoes its own text, but it opens and saves no files.
   if (['Ctrl+S', 'Ctrl+O'].includes(name)) return false;
-  if (target.closest('input:not([type=range], [type=checkbox], [type=radio]), textarea, select, [contenteditable]')) {
-    return true;
-  }
-  return key === ' ' && Boolean(target.closest('button, a, summary, input, [role], [tabindex]'));
+  return target.closest('input:not([type=range], [type=checkbox], [type=radio]), select')
+    || (key === ' ' && target.closest('button, a, summary, input, [role], [tabindex]'));
 }
 
-const areLettersOff = () => localStorage.getItem(OFF) === 'true';
+const areLettersOff = () => stored('letters-off') === 'true';
 
 function pressed(event) {
   if (event.key === 'Escape') cancelProbe();
   const name = nameOf(event);
   const row = table.find(({ key }) => key === name);
-  const needsCtrl = name.startsWith('Ctrl+');
-  if (!row || isTaken(event, name) || (!needsCtrl && name !== '?' && areLettersOff())) return;
+  if (!row || isTaken(event, name) || (!name.startsWith('Ctrl+') && name !== '?' && areLettersOff())) return;
   event.preventDefault();
   row.run(event);
 }
@@ -55,7 +50,7 @@ export function startKeys() {
   };
   // Speech input can set off single letters by accident, so that they can be switched off.
   letters.checked = !areLettersOff();
-  letters.onchange = () => localStorage.setItem(OFF, String(!letters.checked));
+  letters.onchange = () => stored('letters-off', !letters.checked);
   bind('?', 'Show this list', showList);
   document.addEventListener('keydown', pressed);
   byId('keys').onclick = showList;

@@ -1,8 +1,8 @@
 /** The controls of the patch: parameters, pots, switches, initial conditions and other settings. */
 
 import { dial } from './dial.js';
-import { button, byId, el, fill, template, write } from './dom.js';
-import { highlight, on, send } from './state.js';
+import { byId, el, filter, template, write } from './dom.js';
+import { highlight, on, refusalOf, send } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
 const FILTERED = 12;
@@ -20,7 +20,6 @@ let controls = [];
 const keyOf = ({ parameter, element, setting }) => JSON.stringify([parameter, element, setting]);
 const isPlain = (text) => text === null || !Number.isNaN(Number(text));
 const isFormula = ({ form, text }) => form === 'number' && !isPlain(text);
-const refusalOf = (events) => events.find(({ event }) => event === 'refused')?.message ?? '';
 
 /** The value as a command has it. */
 function content({ form, text, value, words }) {
@@ -86,7 +85,8 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
   const knob = dial({
     label: about ? `${title}, ${about}` : title, unit, range: view.range, whole: view.unit === 'whole number', turned: set, reset,
     perTurn: isPot ? 0.1 : 0, digits: isPot ? 4 : 0,
-    blocked: () => knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
+    blocked: () =>
+      knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
   });
   control.replaceWith(knob.node);
   law.onclick = () => {
@@ -106,33 +106,31 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
     else delete lines.dataset.formula;
     knob.lock(isLocked);
   };
-  fill(unlock, {
-    'aria-label': `Unlock ${title}. Turning it then replaces the formula`,
-    onclick() {
-      unlocked.add(key);
-      knob.note('');
-      lines.dataset.formula = 'unlocked';
-      knob.lock(false);
-      knob.knob.focus();
-    },
-  });
+  unlock.ariaLabel = `Unlock ${title}. Turning it then replaces the formula`;
+  unlock.onclick = () => {
+    unlocked.add(key);
+    knob.note('');
+    lines.dataset.formula = 'unlocked';
+    knob.lock(false);
+    knob.knob.focus();
+  };
   return update;
 }
 
 /** Puts a toggle switch or a list of words on a card. Returns how it is updated. */
 function switchOn({ control, lines }, { title, view }, set) {
-  const message = el('p', { class: 'dial-message', role: 'status' });
-  lines.replaceWith(message);
-  const change = async (value) => { message.textContent = refusalOf(await set(value)); };
-  if (view.form === 'choice') {
-    const list = el('select', { 'aria-label': title, onchange: () => change(list.value) }, view.words.map((word) => el('option', {}, word)));
-    control.replaceWith(list);
-    return ({ value }) => { list.selectedIndex = value; };
-  }
-  const word = el('span', {});
-  const toggle = button(word, () => change(toggle.ariaChecked !== 'true'), { class: 'toggle', role: 'switch', 'aria-label': `${title} ${view.name}` });
-  control.replaceWith(toggle);
+  const { node, list, toggle, word, message } = template('switch');
+  control.replaceWith(node);
+  lines.remove();
+  const change = async (value) => { message.textContent = refusalOf(await set(value)) ?? ''; };
+  list.ariaLabel = title;
+  list.append(...(view.words ?? []).map((each) => new Option(each)));
+  list.onchange = () => change(list.value);
+  toggle.ariaLabel = `${title} ${view.name}`;
+  toggle.onclick = () => change(toggle.ariaChecked !== 'true');
+  (view.form === 'choice' ? toggle : list).remove();
   return ({ name, value }) => {
+    list.selectedIndex = value;
     toggle.ariaChecked = value === 1;
     word.textContent = value === 1 ? name : { closed: 'open' }[name] ?? `not ${name}`;
   };
@@ -145,10 +143,10 @@ function cardOf(control) {
   const reset = () => set(opened.get(key));
   const parts = template('knob');
   const { node, name, back, text } = parts;
-  fill(node, { 'aria-label': title });
-  fill(name, null, [title]);
-  fill(text, { title: about }, [about]);
-  fill(back, { 'aria-label': `Reset ${title}`, onclick: reset });
+  node.ariaLabel = name.textContent = title;
+  text.title = text.textContent = about;
+  back.ariaLabel = `Reset ${title}`;
+  back.onclick = reset;
   const update = (view.form ?? 'number') === 'number' ? dialOn(parts, control, set, reset) : switchOn(parts, control, set);
   return {
     node, place,
@@ -175,7 +173,7 @@ export function potCard(output, patch) {
 
 /** Shows the controls of the patch. */
 export function mountKnobs() {
-  const [filter, root] = [byId('knob-filter'), byId('knob-groups')];
+  const [search, root] = [byId('knob-filter'), byId('knob-groups')];
   let drawn = '';
   const build = () => {
     cards.clear();
@@ -185,15 +183,14 @@ export function mountKnobs() {
       return own.length ? [el('details', { class: 'knob-group', open: group < 4 },
         el('summary', {}, heading, el('small', {}, own.length)), el('div', { class: 'knob-grid' }, own))] : [];
     }));
-    filter.value = '';
-    filter.hidden = controls.length <= FILTERED;
+    search.value = '';
+    search.hidden = controls.length <= FILTERED;
   };
-  filter.oninput = () => {
-    const words = filter.value.toLowerCase().split(/\s+/);
-    for (const { node } of cards.values()) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
+  search.oninput = () => {
+    filter([...cards.values()].map(({ node }) => node), search.value);
     for (const group of root.children) {
       group.hidden = !group.querySelector('.knob:not([hidden])');
-      group.open ||= filter.value !== '';
+      group.open ||= search.value !== '';
     }
   };
   on('patch', (patch) => {

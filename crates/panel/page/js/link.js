@@ -7,34 +7,36 @@
  *   message when the host no longer answers.
  */
 
-const TOKEN = 'patchcord.token';
+import { stored } from './dom.js';
 
-/** The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by mistake, and links also open in other tabs. */
+/**
+ * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
+ * mistake, and links also open in other tabs.
+ */
 export function token() {
-  const query = new URLSearchParams(location.search);
   const fragment = new URLSearchParams(location.hash.slice(1));
-  const given = fragment.get('token') ?? query.get('token');
-  if (given !== null) {
-    localStorage.setItem(TOKEN, given);
-    query.delete('token');
+  if (fragment.has('token')) {
+    stored('token', fragment.get('token'));
     fragment.delete('token');
-    const rest = (parameters, sign) => (parameters.size ? sign + String(parameters).replaceAll('%2F', '/') : '');
-    history.replaceState(null, '', location.pathname + rest(query, '?') + rest(fragment, '#'));
+    history.replaceState(null, '', location.pathname + location.search + (fragment.size ? `#${fragment}` : ''));
   }
-  return localStorage.getItem(TOKEN) ?? '';
+  return stored('token') ?? '';
 }
 
-/** Requests without an answer, in the order of the answers. */
-function queue() {
+/** A link that gives answers to its requests in their order. `post` sends a request. */
+function linkOf(kind, post) {
   const open = [];
-  let lose;
-  const lost = new Promise((resolve) => { lose = resolve; });
+  const { promise: lost, resolve: lose } = Promise.withResolvers();
+  const request = (text) => new Promise((resolve, reject) => {
+    open.push({ resolve, reject });
+    post(text);
+  });
   return {
-    lost,
-    add: () => new Promise((resolve, reject) => open.push({ resolve, reject })),
-    answer: (/** @type {Answer} */ answer) => open.shift()?.resolve(answer),
+    /** @type {Link} */
+    link: { kind, request, lost },
+    answer: (text, frame = null) => open.shift()?.resolve({ text, frame }),
     close(message) {
-      for (const request of open.splice(0)) request.reject(new Error(message));
+      for (const { reject } of open.splice(0)) reject(new Error(message));
       lose(message);
     },
   };
@@ -46,27 +48,19 @@ function connectServer() {
   address.protocol = address.protocol.replace('http', 'ws');
   const socket = new WebSocket(address);
   socket.binaryType = 'arraybuffer';
-  const requests = queue();
-  let text = null;
+  const { link, answer, close } = linkOf('server', (request) => socket.send(request));
+  let text = '';
   socket.onmessage = ({ data }) => {
-    if (typeof data !== 'string') {
-      requests.answer({ text, frame: data });
-    } else if (JSON.parse(data).frame) {
-      text = data;
-    } else {
-      requests.answer({ text: data, frame: null });
-    }
-  };
-  const request = (message) => {
-    const answer = requests.add();
-    socket.send(message);
-    return answer;
+    if (typeof data !== 'string') answer(text, data);
+    else if (JSON.parse(data).frame) text = data;
+    else answer(data);
   };
   return new Promise((resolve, reject) => {
-    socket.onopen = () => resolve({ kind: 'server', request, lost: requests.lost });
+    socket.onopen = () => resolve(link);
     socket.onclose = ({ reason }) => {
-      const message = reason || 'The connection to patchcord is closed. Check that the command still runs, and use the address that it printed.';
-      requests.close(message);
+      const message = reason
+        || 'The connection to patchcord is closed. Check that the command still runs, and use the address that it printed.';
+      close(message);
       reject(new Error(message));
     };
   });
@@ -75,24 +69,21 @@ function connectServer() {
 /** @returns {Link} */
 function connectWorker() {
   const worker = new Worker('worker/engine.js', { type: 'module' });
-  const requests = queue();
   let id = 0;
+  const { link, answer, close } = linkOf('worker', (text) => {
+    id += 1;
+    worker.postMessage({ id, text });
+  });
   const fail = (message) => {
     worker.terminate();
-    requests.close(message);
+    close(message);
   };
   worker.onmessage = ({ data }) => {
     if (data.failed) fail(data.failed);
-    else requests.answer({ text: data.text, frame: data.frame ?? null });
+    else answer(data.text, data.frame);
   };
   worker.onerror = (event) => fail(event.message || 'The engine could not be loaded. Load the page again.');
-  const request = (text) => {
-    const answer = requests.add();
-    id += 1;
-    worker.postMessage({ id, text });
-    return answer;
-  };
-  return { kind: 'worker', request, lost: requests.lost };
+  return link;
 }
 
 /** Connects to the host that host.json names. @returns {Promise<Link>} */

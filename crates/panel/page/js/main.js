@@ -2,7 +2,7 @@
 
 import { mountBoard } from './board.js';
 import { mountControls, press } from './controls.js';
-import { byId, fill } from './dom.js';
+import { byId, root, stored } from './dom.js';
 import { mountEquations } from './equations.js';
 import { mountFiles, begin } from './files.js';
 import { bind, startKeys } from './keys.js';
@@ -15,14 +15,10 @@ import { mountSchematic } from './schematic.js';
 import { mountScope } from './scope.js';
 import { cancelProbe, emit, on, open, send, state } from './state.js';
 
-const [TAB, LAYOUT] = ['patchcord.tab', 'patchcord.layout'];
-
-const root = document.documentElement;
-
 /** How the scopes and the views share the page: "scopes", "both" or "view". */
 function setLayout(name) {
   root.dataset.layout = name;
-  localStorage.setItem(LAYOUT, name);
+  stored('layout', name);
   press(byId('layout'), ({ value }) => value === name);
   sendViews();
 }
@@ -37,26 +33,24 @@ function mountTabs() {
       tab.tabIndex = tab === chosen ? 0 : -1;
       panelOf(tab).hidden = tab !== chosen;
     }
-    localStorage.setItem(TAB, chosen.id);
+    stored('tab', chosen.id);
     setLayout(root.dataset.layout === 'view' ? 'view' : 'both');
   };
   tabs.forEach((tab, index) => {
-    fill(tab, {
-      onclick: () => select(tab),
-      onkeydown({ key }) {
-        const by = { ArrowRight: 1, ArrowLeft: -1 }[key];
-        if (!by) return;
-        const next = tabs.at((index + by) % tabs.length);
-        next.focus();
-        select(next);
-      },
-    });
-    bind(String(index + 1), tab.textContent.trim(), () => select(tab));
+    tab.onclick = () => select(tab);
+    tab.onkeydown = ({ key }) => {
+      const by = { ArrowRight: 1, ArrowLeft: -1 }[key];
+      if (!by) return;
+      const next = tabs.at((index + by) % tabs.length);
+      next.focus();
+      select(next);
+    };
+    bind(String(index + 1), tab.textContent, tab.onclick);
   });
-  fill(byId('layout'), { onclick: ({ target }) => setLayout(target.closest('button').value) });
+  for (const each of byId('layout').children) each.onclick = () => setLayout(each.value);
   bind('v', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
-  const before = localStorage.getItem(LAYOUT) ?? 'both';
-  select(byId(localStorage.getItem(TAB)) ?? tabs[0]);
+  const before = stored('layout') ?? 'both';
+  select(byId(stored('tab')) ?? tabs[0]);
   setLayout(before);
   // A finding about an equation has no place at the panel. The schematic has all other places.
   on('highlight', ({ element, equation }) => {
@@ -73,18 +67,18 @@ function sendViews() {
 /** Theme and projector mode, which theme.js keeps. */
 function mountAppearance() {
   const theme = byId('theme');
-  theme.value = localStorage.getItem('patchcord.theme') ?? 'system';
+  theme.value = stored('theme') ?? 'system';
   const projector = byId('projector');
+  const isLarge = () => root.hasAttribute('data-projector');
   const set = (key, value) => {
-    localStorage.setItem(key, value);
+    stored(key, value);
     root.dispatchEvent(new Event('themeset'));
   };
-  theme.addEventListener('change', () => set('patchcord.theme', theme.value));
-  const toggle = () => set('patchcord.projector', String(!root.hasAttribute('data-projector')));
-  projector.addEventListener('click', toggle);
-  bind('l', 'Large type for a projector', toggle);
+  theme.onchange = () => set('theme', theme.value);
+  projector.onclick = () => set('projector', !isLarge());
+  bind('l', 'Large type for a projector', projector.onclick);
   const show = () => {
-    projector.setAttribute('aria-pressed', String(root.hasAttribute('data-projector')));
+    projector.ariaPressed = isLarge();
     emit('theme', root.dataset.theme);
   };
   root.addEventListener('themechange', show);
@@ -94,8 +88,7 @@ function mountAppearance() {
 function mountTitle() {
   on('patch', ({ title, file, source, note, machine }) => {
     const name = title || file || 'New patch';
-    byId('title').textContent = name;
-    byId('title').title = name;
+    byId('title').textContent = byId('title').title = name;
     const type = state.hello?.machines.find((each) => each.name === machine)?.title || machine;
     byId('subtitle').textContent = [file, type].filter((text) => text && text !== name).join(' · ');
     byId('about').hidden = !(note || source);
@@ -108,19 +101,17 @@ function mountTitle() {
 function mountPopovers() {
   for (const kind of ['pointerdown', 'focusin', 'keydown']) {
     document.addEventListener(kind, ({ key, target }) => {
-      for (const each of document.querySelectorAll('.popover[open]')) if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
+      for (const each of document.querySelectorAll('.popover[open]')) {
+        if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
+      }
     });
   }
 }
 
 /** Connects and brings the first patch; also after the connection was lost. */
 async function start() {
-  try {
-    await open();
-  } catch (fault) {
-    emit('link', { connected: false, message: fault.message });
-    return;
-  }
+  const isOpen = await open().then(() => true, ({ message }) => emit('link', { connected: false, message }));
+  if (!isOpen) return;
   sendViews();
   await begin();
 }
@@ -132,7 +123,7 @@ mountFiles();
 for (const index of [0, 1]) mountScope(byId(`scope-${index + 1}`), index);
 mountMeters();
 mountKnobs();
-mountLamps(byId('lamps'));
+mountLamps();
 mountSchematic(byId('schematic'));
 mountBoard(byId('board'));
 mountEquations(byId('equations'));
@@ -140,6 +131,6 @@ mountTabs();
 mountAppearance();
 mountPopovers();
 startKeys();
-byId('cancel-probe').addEventListener('click', cancelProbe);
+byId('cancel-probe').onclick = cancelProbe;
 startLoop();
 start();

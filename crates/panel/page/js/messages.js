@@ -1,6 +1,6 @@
 /** Findings of the checker, refusals, and the state of the connection. */
 
-import { button, byId, el, float, write } from './dom.js';
+import { byId, float, root, template, write } from './dom.js';
 import { highlight, on, state } from './state.js';
 
 /** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
@@ -13,12 +13,17 @@ export function placeName({ element, jack, setting, parameter }) {
 }
 
 function findingItem({ code, severity, message, hint, place }) {
-  const isError = severity === 'error';
-  return el('li', { class: `finding ${isError ? 'error' : 'warning'}` },
-    el('p', null, el('strong', null, isError ? 'Error' : 'Warning'), ' ', message),
-    hint && el('p', { class: 'hint' }, hint),
-    place && button(`Show ${placeName(place)}`, () => highlight(place), { class: 'small' }),
-    code === 'equation-not-solved' && button('Show the equations', () => highlight({ equation: true }), { class: 'small' }));
+  const { node, name, text, remedy, place: show, equations } = template('finding');
+  node.classList.add(severity);
+  name.textContent = severity === 'error' ? 'Error' : 'Warning';
+  text.textContent = message;
+  remedy.textContent = hint;
+  show.hidden = !place;
+  show.textContent = `Show ${placeName(place ?? {})}`;
+  show.onclick = () => highlight(place);
+  equations.hidden = code !== 'equation-not-solved';
+  equations.onclick = () => highlight({ equation: true });
+  return node;
 }
 
 function count(number, word) {
@@ -44,9 +49,10 @@ function place(box) {
 
 /** Shows a message near the pointer and reads it out. A message stays while the pointer is on it. */
 export function toast(message, kind = 'error') {
-  const close = () => box.remove();
-  const box = el('div', { class: `toast ${kind}` }, el('p', null, message),
-    button('×', close, { class: 'close', 'aria-label': 'Close the message' }));
+  const { node: box, text, close } = template('toast');
+  box.classList.add(kind);
+  text.textContent = message;
+  close.onclick = () => box.remove();
   byId('toasts').replaceChildren(box);
   place(box);
   const spoken = byId('spoken');
@@ -54,9 +60,9 @@ export function toast(message, kind = 'error') {
   // An equal text is read out again only if it was removed before.
   requestAnimationFrame(() => { spoken.textContent = message; });
   const time = SHOWN + SHOWN_PER_LETTER * message.length;
-  let timer = setTimeout(close, time);
-  box.addEventListener('pointerenter', () => clearTimeout(timer));
-  box.addEventListener('pointerleave', () => { timer = setTimeout(close, time / 2); });
+  let timer = setTimeout(close.onclick, time);
+  box.onpointerenter = () => clearTimeout(timer);
+  box.onpointerleave = () => { timer = setTimeout(close.onclick, time / 2); };
 }
 
 /** Connects the list and the messages. `reconnect` is called by the button of a lost connection. */
@@ -75,8 +81,5 @@ export function mountMessages(reconnect) {
     byId('link').hidden = connected;
     write(byId('link').firstChild, message);
   });
-  on('probing', ({ active }) => {
-    document.documentElement.toggleAttribute('data-probing', active);
-    byId('probing').hidden = !active;
-  });
+  on('probing', ({ active }) => root.toggleAttribute('data-probing', active));
 }

@@ -1,7 +1,7 @@
 /** The voltmeter and the null meter: moving-coil instruments, each with a reading in digits. */
 
 import { dial } from './dial.js';
-import { byId, fill, format, quantity, template, within, write } from './dom.js';
+import { byId, fill, format, minus, quantity, template, within, write } from './dom.js';
 import { potCard } from './knobs.js';
 import { fillOutputs } from './probes.js';
 import { emit, on, selectProbe, send, state } from './state.js';
@@ -14,7 +14,7 @@ const DIGITS = 120;
 /** Volts with five digits, of which at most four are decimals. */
 function fiveDigits(volts) {
   const before = Math.max(1, Math.floor(Math.log10(Math.abs(volts) || 1)) + 1);
-  return `${volts < 0 ? '−' : '+'}${Math.abs(volts).toFixed(5 - before)} V`;
+  return minus(`${volts < 0 ? '' : '+'}${volts.toFixed(5 - before)} V`);
 }
 
 /**
@@ -25,8 +25,9 @@ function meterOf(command, title, connect) {
   const { node, needle, digits, volts, more, outputs, list, probe } = template('meter');
   let [full, drawn, last] = [1, '', 0];
   const choose = (output) => emit('meter', { meter: command, output: output || null });
-  fill(digits, { 'aria-label': title });
-  fill(list, { 'aria-label': `Output at the ${title.toLowerCase()}`, onchange: () => choose(list.value) });
+  digits.ariaLabel = title;
+  list.ariaLabel = `Output at the ${title.toLowerCase()}`;
+  list.onchange = () => choose(list.value);
   probe.onclick = () => {
     selectProbe(choose);
     probe.ariaPressed = true;
@@ -43,7 +44,7 @@ function meterOf(command, title, connect) {
     /** Sets the ends of the scale. */
     range(to) {
       full = to;
-      node.querySelectorAll('[transform]').forEach((text, index) => write(text, format(full * (index / 2 - 1)).replace('-', '−')));
+      node.querySelectorAll('[transform]').forEach((text, index) => write(text, minus(format(full * (index / 2 - 1)))));
       fill(digits, { 'aria-valuemin': -full, 'aria-valuemax': full });
     },
     /**
@@ -67,7 +68,8 @@ function meterOf(command, title, connect) {
       const isKnown = Number.isFinite(value);
       write(volts, isKnown ? fiveDigits(value) : '– V');
       write(more, isKnown ? words(value) : '');
-      fill(digits, { 'aria-valuenow': value || 0, 'aria-valuetext': isKnown ? `${volts.textContent} ${more.textContent}` : 'not connected' });
+      fill(digits, { 'aria-valuenow': value || 0,
+        'aria-valuetext': isKnown ? `${volts.textContent} ${more.textContent}` : 'not connected' });
     },
   };
 }
@@ -83,7 +85,8 @@ function mountVoltmeter() {
     meter.update(patch, patch.signals[0]?.at);
     view = patch.outputs.find(({ name }) => name === view?.name);
   });
-  on('frame', (frame) => meter.show(frame.meter, (volts) => (view?.signal ? `${view.signal} ${quantity(volts * view.per_volt, view.unit, 5)}` : '')));
+  on('frame', (frame) => meter.show(frame.meter, (volts) =>
+    (view?.signal ? `${view.signal} ${quantity(volts * view.per_volt, view.unit, 5)}` : '')));
   byId('voltmeter').append(meter.node);
 }
 

@@ -1,13 +1,14 @@
 /** Patching by mouse, touch and keys. */
 
-import { curve, drawCord, keysOf } from './cords.js';
+import { cordClass, keysOf, lay } from './cords.js';
+import { shape } from './dom.js';
 import { highlight, isProbing, probed, send } from './state.js';
+import { ahead, ARROWS, cheapest } from './zoom.js';
 
 /** Distance in pixels within which a jack or plug is taken, by the type of the pointer. */
 const REACH = { mouse: 13, pen: 18, touch: 24 };
 /** Pixels by which a pointer moves before it drags. */
 const STILL = 5;
-const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 const endOf = ({ type, element, jack, output }) => (type === 'out' ? { output } : { element, jack });
 const isJack = ({ type }) => type === 'in' || type === 'out';
@@ -15,29 +16,20 @@ const isJack = ({ type }) => type === 'in' || type === 'out';
 /** @param {any} board what board.js has */
 export function mountPatching(board) {
   const { canvas, over, say, stop } = board;
-  const pointers = new Map();
   let press = null;
-  let pinch = 0;
   /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
   let hand = null;
   let draft = null;
-  let ring = null;
 
   function isLocked() {
-    const locked = canvas.dataset.lock === 'true';
-    if (locked) say('The panel is locked. Press Unlock to patch.');
-    return locked;
+    if (board.isLocked()) say('The panel is locked. Press Unlock to patch.');
+    return board.isLocked();
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
   function nearest(event, test = () => true) {
-    const point = board.units(event);
-    let least = board.reach(REACH[event.pointerType] ?? REACH.mouse);
-    let found = null;
-    for (const one of [...board.plugs, ...board.stops.filter(isJack)]) {
-      const distance = Math.hypot(one.x - point.x, one.y - point.y);
-      if (distance < least && test(one)) [least, found] = [distance, one];
-    }
-    return found;
+    const point = board.zoom.units(event);
+    return cheapest([...board.plugs, ...board.stops.filter(isJack)].filter(test), ({ x, y }) => Math.hypot(x - point.x, y - point.y),
+      board.reach(REACH[event.pointerType] ?? REACH.mouse));
   }
   function take(fixed, cord, id, node) {
     release();
@@ -45,7 +37,8 @@ export function mountPatching(board) {
     canvas.dataset.want = hand.want;
     fixed.node.classList.add('is-held');
     node?.classList.add('is-lifted');
-    draft = drawCord(fixed, fixed, { class: `cord cord-${(board.colours.get(cord?.from ?? fixed.output) ?? 4) + 1} is-draft` });
+    draft = shape('cord', { class: `${cordClass(board.colours.get(cord?.from ?? fixed.output))} is-draft` });
+    lay(draft, fixed, fixed);
     over.append(draft);
     board.hover(null, null);
     say(`Cord from ${board.nameOf(fixed)}: choose an ${hand.want}put. Escape cancels.`);
@@ -62,26 +55,30 @@ export function mountPatching(board) {
     hand.fixed.node.classList.remove('is-held');
     hand.node?.classList.remove('is-lifted');
     draft.remove();
-    ring?.remove();
+    mark(null);
     hand = null;
     delete canvas.dataset.want;
     say('');
   }
+  /** Marks the jack into which a plug would go. */
+  function mark(goal) {
+    canvas.querySelector('.is-aim')?.classList.remove('is-aim', 'is-wrong');
+    goal?.node.classList.add('is-aim', goal.type === hand.want ? 'is-aim' : 'is-wrong');
+  }
   /** Draws the cord in the hand to a jack or a point. */
   function aim(goal, point = goal) {
-    ring?.remove();
-    ring = goal && board.ring(goal, goal.type === hand.want ? 'aim' : 'aim is-wrong');
-    for (const path of draft.querySelectorAll('path')) path.setAttribute('d', curve(hand.fixed, point));
-    draft.lastChild.setAttribute('transform', `translate(${point.x} ${point.y})`);
+    mark(goal);
+    lay(draft, hand.fixed, point);
   }
   function plugInto(goal) {
     const { fixed, want, cord, id } = hand;
     release();
     if (goal === fixed || (cord && Object.values(keysOf(cord)).includes(goal.key))) return;
+    const [output, input] = want === 'in' ? [fixed, goal] : [goal, fixed];
     if (goal.type !== want) board.bubble(`Both are ${goal.type}puts. A cord goes from an output to an input.`, goal);
     else if (id !== undefined) send({ command: 'plug-loose', id, to: endOf(goal) });
     else if (cord) send({ command: 'move-cord', ...cord, to: endOf(goal) });
-    else send({ command: 'plug', ...want === 'in' ? { from: fixed.output, ...endOf(goal) } : { from: goal.output, ...endOf(fixed) } });
+    else send({ command: 'plug', from: output.output, ...endOf(input) });
   }
   /** Leaves the cord where it is dropped. */
   function drop({ x, y }) {
@@ -113,34 +110,31 @@ export function mountPatching(board) {
     release();
     board.focus(key);
     if (knob) highlight({ element: knob, setting: 'setting' });
-    const one = stop(key);
-    if (one?.type === 'free' && !isBusy && !isLocked()) board.add(one.section);
+    if (!isBusy) fillFree(stop(key));
+  }
+  function fillFree(one) {
+    if (one?.type === 'free' && !isLocked()) board.add(one.section);
   }
 
   const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
+  board.zoom.listen(() => !press || (press.isMoved && !press.isDragging));
   listen('pointerdown', (event) => {
     if (event.button) return;
     const { pointerId, clientX, clientY, target } = event;
-    pointers.set(pointerId, [clientX, clientY]);
-    if (pointers.size > 1) {
+    if (board.zoom.pointers.size > 1) {
       if (press?.isDragging) release();
       press = null;
       return;
     }
     canvas.setPointerCapture(pointerId);
-    press = { at: [clientX, clientY], hit: nearest(event), key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob };
+    press = {
+      at: [clientX, clientY], hit: nearest(event),
+      key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob
+    };
   });
   listen('pointermove', (event) => {
-    const { clientX, clientY, pointerId, target, pointerType } = event;
-    const before = pointers.get(pointerId);
-    if (before) pointers.set(pointerId, [clientX, clientY]);
-    if (pointers.size > 1) {
-      const [[ax, ay], [bx, by]] = pointers.values();
-      const distance = Math.hypot(ax - bx, ay - by);
-      if (pinch) zoomAt(distance / pinch, (ax + bx) / 2, (ay + by) / 2);
-      pinch = distance;
-      return;
-    }
+    const { clientX, clientY, target, pointerType } = event;
+    if (board.zoom.pointers.size > 1) return;
     if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
       press.isMoved = true;
       press.isDragging = press.hit !== null && !isLocked();
@@ -148,17 +142,13 @@ export function mountPatching(board) {
     }
     if (hand && (!press || press.isDragging)) {
       const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
-      aim(goal, goal ?? board.units(event));
-    } else if (press?.isMoved && before) {
-      board.pan(clientX - before[0], clientY - before[1]);
+      aim(goal, goal ?? board.zoom.units(event));
     } else if (!press && pointerType === 'mouse') {
       const hit = nearest(event);
       board.hover((hit?.type === 'plug' ? stop(keysOf(hit.cord).cord) : hit) ?? stop(target.closest('[data-key]')?.dataset.key) ?? null);
     }
   });
   listen('pointerup pointercancel', (event) => {
-    pointers.delete(event.pointerId);
-    pinch = 0;
     const done = press;
     press = null;
     if (!done || event.type === 'pointercancel') {
@@ -167,31 +157,18 @@ export function mountPatching(board) {
       const goal = nearest(event, isJack);
       board.focus((goal ?? hand.fixed).key);
       if (goal) plugInto(goal);
-      else drop(board.units(event));
+      else drop(board.zoom.units(event));
     } else if (!done.isMoved) click(done);
   });
   listen('pointerleave', () => { if (!press) board.hover(null); });
   // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
   listen('mousedown touchstart', (event) => event.preventDefault(), { passive: false });
-  listen('wheel', (event) => {
-    if (!event.ctrlKey && !board.hasFocus()) return;
-    event.preventDefault();
-    zoomAt(Math.exp(-event.deltaY / 400), event.clientX, event.clientY);
-  }, { passive: false });
-  function zoomAt(factor, clientX, clientY) {
-    const box = canvas.getBoundingClientRect();
-    board.zoom(factor, clientX - box.x, clientY - box.y);
-  }
 
   /** The nearest place in a direction. Cords follow each other in their order. */
   function next(from, [dx, dy]) {
     const all = board.stops.filter(({ type }) => (type === 'cord') === (from.type === 'cord'));
     if (from.type === 'cord') return all.at((all.indexOf(from) + dx + dy) % all.length);
-    const cost = (one) => {
-      const along = (one.x - from.x) * dx + (one.y - from.y) * dy;
-      return along > 4 ? along + 2.5 * Math.abs((one.x - from.x) * dy + (one.y - from.y) * dx) : Infinity;
-    };
-    return all.reduce((best, one) => (cost(one) < cost(best) ? one : best), from);
+    return ahead(from, all, [dx, dy]);
   }
   function remove(one) {
     const own = board.plugs.filter(({ jack, cord }) => jack === one && cord);
@@ -208,7 +185,7 @@ export function mountPatching(board) {
       if (hand && isJack(goal)) aim(goal);
     } else if (name === 'Enter' || name === ' ') {
       if (isJack(one) || one.type === 'loose') choose(one);
-      else if (one.type === 'free' && !isLocked()) board.add(one.section);
+      else fillFree(one);
     } else if (name === 'Delete' || name === 'Backspace') {
       if (one.type !== 'free' && !isLocked()) remove(one);
     } else return false;

@@ -1,6 +1,6 @@
 /** Probes: where they are, and the menu that places them. */
 
-import { button, el, float, quantity } from './dom.js';
+import { button, byId, el, float, quantity } from './dom.js';
 import { emit, isProbing, on, probed, send, state } from './state.js';
 
 /** Where the meters are. The event `meter` connects one: meters.js sends the command. */
@@ -14,15 +14,16 @@ on('meter', ({ meter, output }) => { meters[meter] = output; });
 export function probes() {
   const channels = state.scopes.flatMap((controls, scope) => controls.channels.map(({ output }, index) => ({
     name: `Scope ${scope + 1}, channel ${index + 1}`, mark: `${scope + 1}.${index + 1}`, look: String(index + 1), output,
-    connect: (to) => send({
-      command: 'scope', scope,
-      controls: { ...controls, channels: controls.channels.map((each, other) => (other === index ? { ...each, output: to } : each)) },
-    }),
+    connect(to) {
+      const copy = structuredClone(controls);
+      copy.channels[index].output = to;
+      send({ command: 'scope', scope, controls: copy });
+    },
   })));
-  const meter = (command, name, mark) => ({
+  const meter = (name, mark, command) => ({
     name, mark, look: 'meter', output: meters[command], connect: (output) => emit('meter', { meter: command, output }),
   });
-  return [...channels, meter('meter', 'Voltmeter', 'V'), meter('null-meter', 'Null meter', 'N')];
+  return [...channels, meter('Voltmeter', 'V', 'meter'), meter('Null meter', 'N', 'null-meter')];
 }
 
 /** Name of an output with the quantity that it stands for: "v_o at A1". */
@@ -55,35 +56,18 @@ export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
     probed(output);
     return;
   }
-  let isOpen = true;
-  const close = () => {
-    // The focus leaves while the menu is removed.
-    if (isOpen) {
-      isOpen = false;
-      menu.remove();
-    }
-  };
-  const back = document.activeElement;
+  const menu = byId('probe-menu');
   const items = probes().map(({ name, look, output: now, connect }) => button(name, () => {
     connect(now === output ? null : output);
-    close();
-    back?.focus({ preventScroll: true });
-  }, { role: 'menuitemcheckbox', 'aria-checked': String(now === output), 'data-look': look, tabindex: -1 }));
-  const menu = el('div', {
-    class: 'probe-menu', role: 'menu', 'aria-label': `Probe at ${outputName(output)}`,
-    onfocusout: ({ relatedTarget }) => { if (!menu.contains(relatedTarget)) close(); },
-    onkeydown(event) {
-      const by = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-      if (by) items.at((items.indexOf(document.activeElement) + by) % items.length).focus();
-      else if (event.key === 'Escape' || event.key === 'Tab') back?.focus({ preventScroll: true });
-      else return;
-      event.preventDefault();
-      event.stopPropagation();
-    },
-  }, el('p', { 'aria-hidden': 'true' }, outputName(output)), items);
-  document.querySelector('.probe-menu')?.remove();
-  document.body.append(menu);
+    menu.close();
+  }, { 'aria-pressed': String(now === output), 'data-look': look }));
+  menu.replaceChildren(el('h2', { id: 'probe-title' }, outputName(output)), ...items);
+  menu.onclick = ({ target }) => { if (target === menu) menu.close(); };
+  menu.onkeydown = ({ key }) => {
+    const by = { ArrowDown: 1, ArrowUp: -1 }[key];
+    if (by) items.at((items.indexOf(document.activeElement) + by) % items.length).focus();
+  };
+  menu.showModal();
   const box = at.getBoundingClientRect();
   float(menu, clientX || box.left, (clientY || box.bottom) + 6);
-  items[0].focus({ preventScroll: true });
 }

@@ -1,28 +1,27 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { fill, svg, within, write } from './dom.js';
+import { fill, minus, shape, svg, within, write } from './dom.js';
+import { lookOf } from './lamps.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
 import { emit, highlight, on, state } from './state.js';
+import { ahead, ARROWS, cheapest, Zoom } from './zoom.js';
 
 /** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
 const SHOWN = 67;
 /** Steps of thickness and colour of a wire from zero to full scale. */
 const LEVELS = 4;
-const ZOOM = [0.1, 6];
-/** The smallest scale at which texts can be read. A larger drawing is cut at first. */
+/** The least scale at which texts can be read. */
 const READABLE = 0.62;
-/** Pixels that a pointer moves before it pans. */
-const SLACK = 5;
 /** Pixels from a finger to the output that it means. */
 const FINGER = 22;
-/** Pixels at the bottom for the buttons. */
+/** Space below the drawing for the buttons. */
 const TOOLS = 40;
 /** Milliseconds for which a place is ringed. */
 const RINGED = 4000;
 
 /** A primitive as `Schematic::to_live_json` has it. */
-function shape([form, ink, ...rest]) {
+function primitive([form, ink, ...rest]) {
   const line = { class: `ink-${ink}`, fill: 'none', 'stroke-width': rest[0] };
   const filled = { class: `fill-${ink}` };
   const circle = (look, [cx, cy, r]) => svg('circle', { ...look, cx, cy, r });
@@ -36,93 +35,48 @@ function shape([form, ink, ...rest]) {
   return svg('text', { ...filled, x, y, 'font-size': size, 'text-anchor': anchor, 'data-setting': setting }, text);
 }
 
-function symbolNode({ name, area: [left, top, right, bottom], primitives, outputs }) {
-  return svg('g', { class: 'symbol', 'data-element': name, 'data-output': outputs[0]?.name },
-    svg('rect', { class: 'hit', x: left - 5, y: top - 5, width: (outputs[0]?.from[0] ?? right) - left + 8, height: bottom - top + 10 }),
-    primitives.map(shape));
+/** A box around an area, with so much space. */
+const around = ([left, top, right, bottom], by, look) =>
+  svg('rect', { class: look, x: left - by, y: top - by, width: right - left + 2 * by, height: bottom - top + 2 * by, rx: by });
+
+function symbolNode({ name, area: [left, top, right, bottom], primitives, outputs: [output] }) {
+  return svg('g', { class: 'symbol', 'data-element': name, 'data-output': output?.name },
+    around([left, top, output ? output.from[0] - 2 : right, bottom], 5, 'hit'), primitives.map(primitive));
 }
 
 /** The lines of an output: the piece at the symbol, then those of its net. */
-function netNode(output, net) {
-  const lines = [[output.from, output.at], ...net?.lines ?? []];
-  const d = lines.map(([[x, y], [u, v]]) => `M${x} ${y}L${u} ${v}`).join('');
+function netNode(output, { lines = [], dots = [], arrows = [] } = {}) {
+  const d = [[output.from, output.at], ...lines].map(([[x, y], [u, v]]) => `M${x} ${y}L${u} ${v}`).join('');
   return svg('g', { class: 'net', 'data-output': output.name },
-    svg('path', { class: 'hit', d }), svg('path', { class: 'wire', d }),
-    net?.dots.map(([cx, cy]) => svg('circle', { cx, cy, r: 3 })),
-    net?.arrows.map(([x, y]) => svg('path', { d: `M${x - 4} ${y}l8-3.5v7z` })));
+    ['hit', 'wire'].map((look) => svg('path', { class: look, d })),
+    dots.map(([cx, cy]) => svg('circle', { cx, cy, r: 3 })),
+    arrows.map(([x, y]) => svg('path', { d: `M${x - 4} ${y}l8-3.5v7z` })));
 }
 
 function outputNode({ name, from: [left, y], at: [right] }) {
-  return svg('g', { class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'menu', 'aria-label': outputName(name) },
-    svg('rect', { class: 'hit', x: left - 2, y: y - 14, width: right - left + 6, height: 30, rx: 4 }),
-    svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
+  return svg('g', {
+    class: 'output', role: 'button', tabindex: -1, 'data-output': name, 'aria-haspopup': 'dialog', 'aria-label': outputName(name),
+  }, around([left + 2, y - 10, right, y + 12], 4, 'hit'), svg('text', { class: 'volts', x: left + 4, y: y + 11.5 }));
 }
 
 /** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
 function voltsText(volts) {
-  const text = Math.abs(volts).toFixed(2);
-  return Number(text) === 0 ? '0.00' : `${volts < 0 ? '−' : '+'}${text}`;
+  const text = minus(volts.toFixed(2));
+  return Math.abs(volts) < 0.005 ? '0.00' : (volts > 0 ? '+' : '') + text;
 }
 
 /** Shows the schematic. @param {HTMLElement} root */
 export function mountSchematic(root) {
   const [nets, symbols, outputs, marks] = ['nets', 'symbols', 'outputs', 'marks'].map((name) => svg('g', { class: name }));
-  const world = svg('g', null, nets, symbols, outputs, marks);
   const picture = root.querySelector('svg');
   const [info, message] = root.querySelectorAll('p');
-  picture.append(world);
+  picture.append(nets, symbols, outputs, marks);
+  const zoom = new Zoom(root, [picture], 0, READABLE);
 
   /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
   let drawing = null;
   let cells = new Map();
   let [lit, last, focused] = [null, 0, null];
-
-  // Pan and zoom.
-
-  let view = { x: 0, y: 0, k: 1 };
-  /** Whether the user has not moved the drawing, and the least scale with which it is shown then. */
-  let [isFitted, least] = [true, READABLE];
-  const place = (x, y, k, isWhole = false) => {
-    view = { x, y, k };
-    isFitted = false;
-    fill(world, { transform: `translate(${x} ${y}) scale(${k})` });
-    picture.toggleAttribute('data-free', !isWhole);
-  };
-  const zoom = (by, x = picture.clientWidth / 2, y = picture.clientHeight / 2) => {
-    const k = within(ZOOM[0], view.k * by, ZOOM[1]);
-    place(x - (x - view.x) * k / view.k, y - (y - view.y) * k / view.k, k);
-  };
-  /** Shows the whole drawing, or as much of it as the least scale permits. */
-  const fit = (to = least) => {
-    least = to;
-    isFitted = true;
-    const { clientWidth: width, clientHeight: height } = picture;
-    if (!drawing || !width) return;
-    const whole = Math.min(width / drawing.width, (height - TOOLS) / drawing.height, 1.6);
-    const k = Math.max(whole, least);
-    place(Math.max((width - drawing.width * k) / 2, 0), Math.max((height - TOOLS - drawing.height * k) / 2, 0), k, k === whole);
-    isFitted = true;
-  };
-  /** Pans as far as is necessary to show a point of the drawing. */
-  const reveal = ([x, y]) => {
-    const by = (from, at, size) => (from + at * view.k < 40 || from + at * view.k > size - 40 ? size / 2 - at * view.k : from);
-    const [u, v] = [by(view.x, x, picture.clientWidth), by(view.y, y, picture.clientHeight)];
-    if (u !== view.x || v !== view.y) place(u, v, view.k);
-  };
-  new ResizeObserver(() => { if (isFitted) fit(); }).observe(picture);
-  root.querySelectorAll('button').forEach((each, at) => { each.onclick = () => [() => zoom(1.3), () => zoom(1 / 1.3), () => fit(0)][at](); });
-
-  const pointers = new Map();
-  let travel = 0;
-  const spread = () => {
-    const [a, b = a] = pointers.values();
-    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, size: Math.hypot(a.x - b.x, a.y - b.y) };
-  };
-  const local = ({ clientX, clientY }) => {
-    const { left, top } = picture.getBoundingClientRect();
-    return { x: clientX - left, y: clientY - top };
-  };
-  const away = ({ pointerId }) => pointers.delete(pointerId);
 
   // Values.
 
@@ -144,17 +98,16 @@ export function mountSchematic(root) {
     if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
     if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
   };
-  on('frame', ({ volts, lamps, firstLamp }) => {
+  on('frame', (frame) => {
     const now = performance.now();
     if (now - last < SHOWN || !picture.clientWidth) return;
     last = now;
     const scale = full();
     for (const cell of cells.values()) {
-      const value = volts[cell.index];
+      const value = frame.volts[cell.index];
       if (value === undefined) continue;
       const steps = Math.min(LEVELS, Math.ceil(Math.abs(value) / scale * LEVELS - 0.04));
-      const lamp = !lamps[cell.index] ? '' : firstLamp === cell.index ? 'first' : 'lit';
-      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp });
+      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp: lookOf(frame, cell.index) });
     }
     showInfo();
   });
@@ -166,7 +119,7 @@ export function mountSchematic(root) {
     const cell = cells.get(name);
     picture.toggleAttribute('data-lit', Boolean(cell));
     const ends = new Set([cell?.element, ...cell?.net?.to.map(([element]) => element) ?? []]);
-    for (const node of world.querySelectorAll('.net, .output, .symbol')) {
+    for (const node of picture.querySelectorAll('.net, .output, .symbol')) {
       const { element, output } = node.dataset;
       node.classList.toggle('lit', Boolean(cell) && (element ? ends.has(element) : output === name));
     }
@@ -187,58 +140,15 @@ export function mountSchematic(root) {
     if (setting) highlight({ element, setting });
   };
   /** The output next to a finger, which is not as precise as a pointer. */
-  const near = ({ pointerType, clientX, clientY }) => {
-    let [found, least] = [null, pointerType === 'touch' ? FINGER : 0];
-    for (const node of outputs.children) {
-      const { left, right, top, bottom } = node.getBoundingClientRect();
-      const far = Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
-      if (far < least) [found, least] = [node, far];
-    }
-    return found;
-  };
-  const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] };
-  /** The output that is nearest in a direction. Those straight ahead come before those at the side. */
-  const nearest = ([dx, dy]) => {
-    const [x, y] = cells.get(focused).output.at;
-    let [found, least] = [focused, Infinity];
-    for (const [name, { output: { at: [u, v] } }] of cells) {
-      const along = (u - x) * dx + (v - y) * dy;
-      const far = along + 2.5 * Math.abs((u - x) * dy + (v - y) * dx);
-      if (along > 1 && far < least) [found, least] = [name, far];
-    }
-    return found;
-  };
+  const near = ({ pointerType, clientX, clientY }) => cheapest(outputs.children, (node) => {
+    const { left, right, top, bottom } = node.getBoundingClientRect();
+    return Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
+  }, pointerType === 'touch' ? FINGER : 0);
   const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
 
+  zoom.listen();
   fill(picture, {
-    onpointerdown(event) {
-      if (pointers.size === 0) travel = 0;
-      pointers.set(event.pointerId, local(event));
-    },
-    onpointermove(event) {
-      if (!pointers.has(event.pointerId)) return;
-      const before = spread();
-      pointers.set(event.pointerId, local(event));
-      const after = spread();
-      travel += Math.hypot(after.x - before.x, after.y - before.y) + Math.abs(after.size - before.size);
-      if (travel < SLACK) return;
-      picture.setPointerCapture(event.pointerId);
-      place(view.x + after.x - before.x, view.y + after.y - before.y, view.k);
-      if (before.size && after.size) zoom(after.size / before.size, after.x, after.y);
-    },
-    onpointerup: away,
-    onpointercancel: away,
-    onpointerleave(event) {
-      away(event);
-      point(null);
-    },
-    // The wheel scrolls the page, unless the user has gone into the drawing.
-    onwheel(event) {
-      if (!event.ctrlKey && !event.metaKey && !hasFocus()) return;
-      event.preventDefault();
-      const { x, y } = local(event);
-      zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)), x, y);
-    },
+    onpointerleave: () => point(null),
     onpointerover: (event) => point(under(event) ?? (hasFocus() ? focused : null)),
     onfocusout: () => point(null),
     onfocusin(event) {
@@ -248,12 +158,12 @@ export function mountSchematic(root) {
       rove(name);
       const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
       fill(cell.nodes.output, { 'aria-label': [outputName(name), valueText(name), ...said].filter(Boolean).join(', ') });
-      reveal(cell.output.at);
+      zoom.reveal(cell);
       point(name);
     },
     onclick(event) {
       const node = event.target.closest('.net, .output') ?? near(event);
-      if (node && travel < SLACK) choose(node.dataset.output, node, event);
+      if (node && zoom.isStill) choose(node.dataset.output, node, event);
     },
     ondblclick({ target }) {
       const symbol = target.closest('.symbol');
@@ -262,16 +172,19 @@ export function mountSchematic(root) {
   });
   fill(root, {
     onkeydown(event) {
-      if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('button')) return;
-      const node = event.target.closest('.output');
+      const { key, target } = event;
+      if (event.ctrlKey || event.metaKey || event.altKey || target.closest('button')) return;
+      const node = target.closest('.output');
       const names = [...cells.keys()];
+      const pick = () => choose(focused, node);
+      const move = () => go(node ? ahead(cells.get(focused), cells.values(), ARROWS[key]).output.name : focused);
       const act = {
-        '+': () => zoom(1.3), '-': () => zoom(1 / 1.3), 0: () => fit(0), Home: () => go(names[0]), End: () => go(names.at(-1)),
-        ...node && { Enter: () => choose(focused, node), ' ': () => choose(focused, node), e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
-      }[event.key] ?? (ARROWS[event.key] && (() => go(node ? nearest(ARROWS[event.key]) : focused)));
+        '+': () => zoom.by(1.3), '-': () => zoom.by(1 / 1.3), 0: () => zoom.fit(0), Home: () => go(names[0]), End: () => go(names.at(-1)),
+        ...node && { Enter: pick, ' ': pick, e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
+      }[key] ?? (ARROWS[key] && move);
       if (!act || !cells.has(focused)) return;
       // A probe that waits is called off by the page.
-      if (event.key !== 'Escape') event.preventDefault();
+      if (key !== 'Escape') event.preventDefault();
       act();
     },
   });
@@ -279,9 +192,11 @@ export function mountSchematic(root) {
   // Probes, findings, and places to which something points.
 
   let [ring, timer] = [null, 0];
+  /** The area of an element, or its jack. */
   const spot = ({ element, jack }) => {
     const symbol = drawing?.symbols.find(({ name }) => name === element);
-    return symbol && { area: symbol.area, at: symbol.inputs.find((each) => each.jack === jack)?.at };
+    const at = symbol?.inputs.find((each) => each.jack === jack)?.at;
+    return symbol && { at, area: at ? [...at, ...at] : symbol.area };
   };
   const showMarks = () => {
     const counts = new Map();
@@ -291,31 +206,32 @@ export function mountSchematic(root) {
       // The outputs of an instance are close to each other, so that the tips are at the ends of their wires.
       const { port, at, from } = cells.get(output).output;
       const [x, y] = port ? [at[0], at[1] + 21] : from;
-      const right = x + 24 * count(output);
-      return svg('g', { class: 'tip', 'data-look': look, role: 'img', 'aria-label': `${name} at ${outputName(output)}` },
-        svg('title', null, name), !port && svg('path', { class: 'needle', d: `M${x + 1.5} ${y}v-14` }),
-        svg('rect', { x: right - 1.5, y: y - 28, width: 22, height: 14, rx: 7 }), svg('text', { x: right + 9.5, y: y - 17.5 }, mark));
+      const right = 24 * count(output);
+      const tip = fill(shape('tip'), {
+        'data-look': look, 'data-bare': port || right > 0,
+        'aria-label': `${name} at ${outputName(output)}`, transform: `translate(${x + right} ${y})`,
+      }, [svg('title', null, name)]);
+      tip.querySelector('text').textContent = mark;
+      return tip;
     });
     const flags = state.findings.map(({ severity, message: text, place: where }) => {
-      const found = where?.element && spot(where);
-      if (!found) return null;
-      const [x, y] = found.at ?? [found.area[0] + 4, found.area[1] + 4];
+      const { at, area } = (where?.element && spot(where)) || {};
+      if (!area) return null;
+      const [x, y] = at ?? [area[0] + 4, area[1] + 4];
       const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${placeName(where)}: ${text}`;
-      return svg('g', { class: `flag ${severity}`, role: 'img', 'aria-label': label, transform: `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})` },
-        svg('title', null, text), svg('path', { d: 'M0-8.5 8.5 6.5H-8.5Z' }), svg('text', { y: 5 }, '!'));
+      const transform = `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})`;
+      return fill(shape(`mark-${severity}`), { role: 'img', 'aria-label': label, transform }, [svg('title', null, text)]);
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
   for (const name of ['scopes', 'meter', 'findings']) on(name, showMarks);
   on('highlight', (where) => {
-    const found = where.element && spot(where);
-    if (!found) return;
-    const [left, top, right, bottom] = found.area;
-    const [x, y] = found.at ?? [(left + right) / 2, (top + bottom) / 2];
-    ring = found.at ? svg('circle', { class: 'ring', cx: x, cy: y, r: 13 })
-      : svg('rect', { class: 'ring', x: left - 5, y: top - 5, width: right - left + 10, height: bottom - top + 10, rx: 10 });
+    const { at, area } = (where.element && spot(where)) || {};
+    if (!area) return;
+    const [left, top, right, bottom] = area;
+    ring = around(area, at ? 13 : 8, 'ring');
     showMarks();
-    reveal([x, y]);
+    zoom.reveal({ x: (left + right) / 2, y: (top + bottom) / 2 });
     if (!root.hidden && !where.setting) root.scrollIntoView({ block: 'nearest' });
     clearTimeout(timer);
     timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
@@ -328,17 +244,18 @@ export function mountSchematic(root) {
   const draw = () => {
     const had = hasFocus();
     symbols.replaceChildren();
-    const made = drawing.symbols.flatMap((symbol) => {
-      const node = symbols.appendChild(symbolNode(symbol));
-      return symbol.outputs.map((output) => {
+    const made = drawing.symbols.flatMap((each) => {
+      const symbol = symbols.appendChild(symbolNode(each));
+      return each.outputs.map((output) => {
         const net = drawing.nets.find(({ from }) => from === output.name);
         const own = outputNode(output);
-        return { output, net, element: symbol.name, nodes: { symbol: node, net: netNode(output, net), output: own, volts: own.lastChild } };
+        const [x, y] = output.at;
+        return { output, net, x, y, element: each.name, nodes: { symbol, net: netNode(output, net), output: own, volts: own.lastChild } };
       });
     });
     // In the order of reading: rows, and from left to right in each.
-    const row = ({ output: { at: [, y] } }) => Math.round(y / 90);
-    made.sort((a, b) => row(a) - row(b) || a.output.at[0] - b.output.at[0]);
+    const row = ({ y }) => Math.round(y / 90);
+    made.sort((a, b) => row(a) - row(b) || a.x - b.x);
     // The last voltages stay until the next frame.
     for (const cell of made) paint(cell, cells.get(cell.output.name) ?? {});
     cells = new Map(made.map((cell) => [cell.output.name, cell]));
@@ -357,7 +274,8 @@ export function mountSchematic(root) {
     if (!next) return;
     const isOther = !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
     drawing = next;
-    if (isOther) fit(READABLE);
+    zoom.size = { width: drawing.width, height: drawing.height + TOOLS };
+    if (isOther) zoom.fit(READABLE);
     draw();
   });
   on('patch', index);

@@ -9,16 +9,15 @@ export const [ACROSS, UP] = [10, 8];
 export const FULL_SCALE = 100 * (1 - 1e-6);
 
 /**
- * Place of the graticule in device pixels. Divisions of an X-Y screen are square, so that a circle is a circle. Those of
- * a screen against time use its width.
+ * Place of the graticule in pixels. Divisions of an X-Y screen are square, so that a circle is a circle. Those of a
+ * screen against time use its width.
  */
-export function layout(width, height, ratio, margin, isPlane) {
+export function layout(width, height, margin, isPlane) {
   const [free, high] = [Math.floor((width - 1.4 * margin) / ACROSS), Math.floor((height - 2 * margin) / UP)];
   const least = Math.max(4, Math.min(free, high));
-  const [dx, dy] = [isPlane ? least : Math.max(4, free), isPlane || high < 4 ? least : Math.min(high, 1.7 * free)];
+  const [dx, dy] = isPlane ? [least, least] : [Math.max(4, free), Math.max(least, Math.min(high, 1.7 * free))];
   const [across, up] = [ACROSS * dx, UP * dy];
-  const most = 0.48 * (width - 1.4 * margin);
-  return { width, height, ratio, most, dx, dy, across, up, x: Math.round((width - across) / 2), y: Math.round((height - up) / 2) };
+  return { width, height, dx, dy, across, up, x: Math.round((width - across) / 2), y: Math.round((height - up) / 2) };
 }
 
 /** Pixels per volt and the pixel of 0 V, for both channels. */
@@ -30,31 +29,31 @@ export function scales({ x, y, across, up, dx, dy }, { display, channels }) {
   });
 }
 
-/** Limits drawing to a rectangle, at first to the graticule. */
-export function clip(context, { x, y, across, up, ratio }, rect = [x, y, across + ratio, up + ratio]) {
+/** Limits drawing to the graticule. */
+export function clip(context, { x, y, across, up }) {
   context.save();
   context.beginPath();
-  context.rect(...rect);
+  context.rect(x, y, across + 1, up + 1);
   context.clip();
 }
 
-/** A function that writes texts in one size, in pixels of the page. */
+/** A function that writes texts in one size. */
 export function writer(context, { view, colours }, size) {
-  context.globalAlpha = 1;
-  context.font = `${size * view.ratio}px ${colours.font}`;
-  return (text, align, x, y, colour = colours.ink) => {
-    context.textAlign = align;
-    context.fillStyle = colour;
-    context.fillText(text, x, y, view.most);
+  Object.assign(context, { globalAlpha: 1, font: `${size}px ${colours.font}` });
+  return (text, textAlign, x, y, fillStyle = colours.ink) => {
+    Object.assign(context, { textAlign, fillStyle });
+    context.fillText(text, x, y, view.width / 2);
   };
 }
 
 /** Draws graticule, overload zones and the readings of the axes. */
 export function drawGrid(context, scene) {
   const { view, colours, model: { controls, outputs, span, trace } } = scene;
-  const { x, y, across, up, dx, dy, ratio } = view;
-  const lines = (colour, alpha, list) => {
-    Object.assign(context, { globalAlpha: alpha, strokeStyle: colour, lineWidth: ratio });
+  const { x, y, across, up, dx, dy, width } = view;
+  const { size } = colours;
+  const isPlane = controls.display === 'plane';
+  const lines = (strokeStyle, globalAlpha, list, lineWidth = 1) => {
+    Object.assign(context, { globalAlpha, strokeStyle, lineWidth });
     context.beginPath();
     for (const [x1, y1, x2, y2] of list) {
       context.moveTo(x1, y1);
@@ -63,51 +62,40 @@ export function drawGrid(context, scene) {
     context.stroke();
   };
   const range = (count, make) => Array.from({ length: count + 1 }, (_, at) => make(at));
-  const column = (at) => x + at * dx + ratio / 2;
-  const row = (at) => y + at * dy + ratio / 2;
-  const [cx, cy, tick] = [column(ACROSS / 2), row(UP / 2), 3 * ratio];
-  context.clearRect(0, 0, view.width, view.height);
-  lines(colours.grid, 1, [...range(ACROSS, (at) => [column(at), y, column(at), y + up]), ...range(UP, (at) => [x, row(at), x + across, row(at)])]);
-  lines(colours.ink, 0.5, [[cx, y, cx, y + up], [x, cy, x + across, cy],
-    ...range(5 * ACROSS, (at) => [column(at / 5), cy - tick, column(at / 5), cy + tick]),
-    ...range(5 * UP, (at) => [cx - tick, row(at / 5), cx + tick, row(at / 5)])]);
+  const upright = (at, from = y, to = y + up) => [x + at * dx + 0.5, from, x + at * dx + 0.5, to];
+  const level = (at, from = x, to = x + across) => [from, y + at * dy + 0.5, to, y + at * dy + 0.5];
+  const [cx, cy] = [x + across / 2 + 0.5, y + up / 2 + 0.5];
+  context.clearRect(0, 0, width, view.height);
+  lines(colours.grid, 1, [...range(ACROSS, (at) => upright(at)), ...range(UP, (at) => level(at))]);
+  lines(colours.ink, 0.5, [upright(ACROSS / 2), level(UP / 2),
+    ...range(5 * ACROSS, (at) => upright(at / 5, cy - 3, cy + 3)), ...range(5 * UP, (at) => level(at / 5, cx - 3, cx + 3))]);
 
-  const places = scales(view, controls);
-  places.forEach(({ isX, gain, zero }, channel) => {
-    for (const limit of outputs[channel] ? [FULL_SCALE, -FULL_SCALE] : []) {
+  scales(view, controls).forEach(({ isX, gain, zero }, channel) => {
+    const output = outputs[channel];
+    if (!output) return;
+    const text = writer(context, scene, size);
+    const colour = isPlane ? colours.ink : colours.traces[channel];
+    const volts = controls.channels[channel].volts_per_division;
+    const name = `${isPlane ? 'XY'[channel] : channel + 1}  `;
+    const long = `${name}${nameOf(output)}  ${reading(volts, output, '/div', 3)}`;
+    const isLong = context.measureText?.(long).width > 0.44 * width;
+    const edge = isPlane ? Math.min(x, size) : x;
+    text(isLong ? `${name}${output.signal ?? output.name}  ${quantity(volts, 'V', 3)}/div` : long,
+      channel ? 'right' : 'left', channel ? width - edge : edge, y - 0.55 * size, colour);
+    if (!isPlane && zero > y && zero < y + up) text('►', 'right', x, zero + 0.35 * size, colour);
+    for (const limit of [FULL_SCALE, -FULL_SCALE]) {
       const [start, end] = isX ? [x, x + across] : [y, y + up];
       const edge = zero + gain * limit;
       const [from, to] = gain * limit > 0 ? [Math.max(start, edge), end] : [start, Math.min(end, edge)];
-      if (to <= from) continue;
-      clip(context, view, isX ? [from, y, to - from, up] : [x, from, across, to - from]);
-      // The channels slant differently, so that both remain visible where they overlap.
-      lines(colours.bad, 0.4, [isX ? [edge, y, edge, y + up] : [x, edge, x + across, edge],
-        ...range(Math.ceil((across + up) / (9 * ratio)), (at) => [x - up + 9 * ratio * at, y + (channel ? 0 : up), x + 9 * ratio * at, y + (channel ? up : 0)])]);
-      context.restore();
+      const line = (at) => [isX ? [at, y, at, y + up] : [x, at, x + across, at]];
+      if (to - from < 1) continue;
+      lines(colours.bad, 0.5, line(edge));
+      lines(colours.bad, 0.14, line((from + to) / 2), to - from);
     }
   });
-
-  const size = colours.size * ratio;
-  const isPlane = controls.display === 'plane';
-  const text = writer(context, scene, colours.size);
-  outputs.forEach((output, channel) => {
-    if (!output) return;
-    const volts = controls.channels[channel].volts_per_division;
-    const begin = `${isPlane ? 'XY'[channel] : channel + 1}  `;
-    const long = `${begin}${nameOf(output)}  ${reading(volts, output, '/div', 3)}`;
-    const isShort = context.measureText?.(long).width > view.most;
-    const edge = isPlane ? Math.min(x, size) : x;
-    text(isShort ? `${begin}${output.signal ?? output.name}  ${quantity(volts, 'V', 3)}/div` : long, channel ? 'right' : 'left', channel ? view.width - edge : edge, y - 0.55 * size,
-      isPlane ? colours.ink : colours.traces[channel]);
-    const { zero } = places[channel];
-    if (isPlane || zero < y || zero > y + up) return;
-    // The mark of 0 V.
-    context.beginPath();
-    for (const [right, down] of [[0, 0], [-0.6, -0.4], [-0.6, 0.4]]) context.lineTo(x + right * size, zero + down * size);
-    context.fill();
-  });
-  const bottom = y + up + 1.25 * size;
   if (isPlane) return;
+  const text = writer(context, scene, size);
+  const bottom = y + up + 1.25 * size;
   text(`t = ${quantity(trace.left, 's')}`, 'left', x, bottom);
   text(`${quantity(span / ACROSS, 's', 3)}/div`, 'center', cx, bottom);
   text(quantity(trace.left + span, 's'), 'right', x + across, bottom);

@@ -1,5 +1,6 @@
 /** Draws traces against time and X-Y curves with the brightness of a phosphor. */
 
+import { within } from './dom.js';
 import { clip, drawGrid, FULL_SCALE, layout, scales } from './scope-grid.js';
 
 /** Levels of brightness. The one above the brightest is for overload. */
@@ -14,60 +15,48 @@ const STEADY = 300;
 const [FADED, FADE] = [0.03, 0.1];
 /** Least brightness of a long curve, so that its newest part is visible. */
 const LEAST_EXPOSURE = 0.1;
-
-const lows = new Float32Array(1 << 13);
-const highs = new Float32Array(1 << 13);
-const levels = new Float32Array(1 << 13);
+/** Pixels of a dash of the second channel, and of a dash with its gap. */
+const [DASH, PERIOD] = [10, 14];
 
 /** Colours of a scope from the theme. */
 function palette(element) {
   const style = getComputedStyle(element);
-  const get = (name) => style.getPropertyValue(`--${name}`).trim();
-  return {
-    grid: get('grid'), ink: get('scope-ink'), bad: get('scope-bad'), traces: [get('trace-1'), get('trace-2')], dark: true,
-    font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8,
-  };
+  const [grid, ink, bad, ...traces] = ['grid', 'scope-ink', 'scope-bad', 'trace-1', 'trace-2']
+    .map((name) => style.getPropertyValue(`--${name}`));
+  return { grid, ink, bad, traces, glow: 6, font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8 };
 }
 
 /** The beam: lines with a brightness. Lines of one brightness that follow each other are one path. */
 class Beam {
-  begin(context, scene, colour, strength) {
-    Object.assign(this, { context, scene, colour, strength, level: -1 });
-    clip(context, scene.view);
+  constructor(context, { view, colours }, channel, strength) {
+    Object.assign(this, { context, colours, strength, colour: colours.traces[channel], level: -1 });
+    clip(context, view);
     context.lineJoin = 'round';
   }
 
   line(x1, y1, x2, y2, level) {
-    if (level !== this.level) {
+    const { context } = this;
+    // Lines of one path do not add up where they cross, those of two do.
+    if (level !== this.level || this.lines > 200) {
       this.paint();
-      this.level = level;
-      this.x = NaN;
-      this.context.beginPath();
+      Object.assign(this, { level, x: NaN, lines: 0 });
+      context.beginPath();
     }
-    if (x1 !== this.x || y1 !== this.y) this.context.moveTo(x1, y1);
-    this.context.lineTo(x2, y2);
-    [this.x, this.y, this.lines] = [x2, y2, this.lines + 1];
+    if (x1 !== this.x || y1 !== this.y) context.moveTo(x1, y1);
+    context.lineTo(x2, y2);
+    Object.assign(this, { x: x2, y: y2, lines: this.lines + 1 });
   }
 
   paint() {
-    const { context, scene: { view, colours }, level } = this;
-    this.lines = 0;
+    const { context, colours, level } = this;
     if (level < 0) return;
     const bright = this.strength * (0.22 + (0.78 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
     context.strokeStyle = level === LEVELS ? colours.bad : this.colour;
-    if (colours.dark && bright > 0.3) {
-      context.lineWidth = 6 * view.ratio;
-      context.globalAlpha = 0.25 * (bright - 0.3);
+    for (const [lineWidth, globalAlpha] of [[colours.glow, 0.25 * (bright - 0.3)], [1.6, bright]]) {
+      if (!lineWidth || globalAlpha <= 0) continue;
+      Object.assign(context, { lineWidth, globalAlpha });
       context.stroke();
     }
-    context.lineWidth = 1.6 * view.ratio;
-    context.globalAlpha = bright;
-    context.stroke();
-  }
-
-  split() {
-    this.paint();
-    this.level = -1;
   }
 
   end() {
@@ -76,48 +65,40 @@ class Beam {
   }
 }
 
-const beam = new Beam();
-
 /**
- * Draws a trace against time. A smooth trace is a line through the middles of its columns. A column that reaches
- * beyond this line (noise, an edge) is a bar. The longer the way of the beam in a column, the darker it is.
+ * Draws a trace against time. In each column it goes to the end that is near, then to the other one. The longer this way,
+ * the darker it is. Returns where it ends.
  */
 function drawColumns(context, scene, columns, channel, from, to, strength) {
-  const { view, colours, model } = scene;
+  const { view, model } = scene;
   const { gain, zero } = scales(view, model.controls)[channel];
   const width = view.across / model.trace.total;
-  const middle = (at) => (lows[at] + highs[at]) / 2;
-  let bright = LEVELS;
+  const beam = new Beam(context, scene, channel, strength);
+  let [way, rise, bright, x, y] = [0, 0, LEVELS - 1, view.x + from * width, NaN];
   for (let at = from; at < to; at += 1) {
     const [low, high] = [columns[2 * at], columns[2 * at + 1]];
-    const [one, other] = [zero + gain * low, zero + gain * high];
-    [lows[at], highs[at]] = low <= high ? [Math.min(one, other), Math.max(one, other)] : [NaN, NaN];
-    const way = Math.max(highs[at] - lows[at], at > from ? Math.abs(middle(at) - middle(at - 1)) || 0 : 0);
-    const level = LEVELS - 1 - 0.8 * Math.log2(Math.hypot(width, way) / width);
+    let [start, end] = [zero + gain * low, zero + gain * high];
+    if (Math.abs(start - y) > Math.abs(end - y)) [start, end] = [end, start];
+    const length = Math.hypot(width, end - start);
+    const [before, left] = [y, x];
+    [x, y] = [left + width, end];
+    if (length !== length) continue;
+    const level = LEVELS - 1 - 0.8 * Math.log2(length / width);
     // Brightness follows slowly, so that a smooth trace is not a chain of pieces.
-    if (Math.abs(level - bright) > 0.9) bright = Math.max(0, Math.round(level)) || 0;
-    levels[at] = model.lit[channel] && (high >= FULL_SCALE || low <= -FULL_SCALE) ? LEVELS : Math.min(bright, LEVELS - 1);
-  }
-  const [dash, period] = channel === 1 ? [10 * view.ratio, 14 * view.ratio] : [0, 1];
-  let way = 0;
-  beam.begin(context, scene, colours.traces[channel], strength);
-  for (let at = from; at < to; at += 1) {
-    const here = middle(at);
-    if (here !== here) continue;
-    const x = view.x + (at + 0.5) * width;
-    const before = at > from ? middle(at - 1) : NaN;
-    const after = at + 1 < to ? middle(at + 1) : NaN;
-    const length = Math.hypot(width, here - before);
-    // The second channel is dashed along its way.
-    if (length === length && (dash === 0 || length > dash || way % period < dash)) beam.line(x - width, before, x, here, levels[at]);
-    way += length || 0;
-    const [start, end] = [(before + here) / 2 || here, (after + here) / 2 || here];
-    const isAlone = before !== before && after !== after;
-    if (isAlone || lows[at] < Math.min(start, here, end) - view.ratio || highs[at] > Math.max(start, here, end) + view.ratio) {
-      beam.line(x, lows[at], x, highs[at] + (isAlone ? view.ratio : 0), levels[at]);
+    if (Math.abs(level - bright) > 0.9) bright = Math.max(0, Math.round(level));
+    const shade = model.lit[channel] && (high >= FULL_SCALE || low <= -FULL_SCALE) ? LEVELS : bright;
+    const turns = rise * (end - start) < 0;
+    rise = end - start;
+    // The second channel is dashed along its way, where it is smooth.
+    if (channel === 0 || turns || length > DASH || way % PERIOD < DASH) {
+      if (Math.abs(start - before) < 1) start = before;
+      else if (before === before) beam.line(left, before, left, start, shade);
+      beam.line(left, start, x, end, shade);
     }
+    way += length;
   }
   beam.end();
+  return [x, y];
 }
 
 /** Draws X-Y curves. It keeps the place of the beam, so that a curve can be drawn as it grows. */
@@ -134,33 +115,30 @@ class Pen {
 
   /** A long curve is drawn darker, so that it shows where it is dense. What is already drawn follows. */
   expose(context, view) {
-    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (5 * this.way * view.ratio) / (view.across * view.up)));
+    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (5 * this.way) / (view.across * view.up)));
     if (exposure > 0.7 * this.exposure) return;
     darken(context, view, 1 - exposure / this.exposure);
     this.exposure = exposure;
   }
 
   draw(context, scene, from, to, strength) {
-    const { view, colours, model } = scene;
-    const [across, up] = scales(view, model.controls);
-    const { points } = model.trace;
-    const isLit = model.lit[0] || model.lit[1];
+    const { view, model: { trace: { points }, controls, lit } } = scene;
+    const [across, up] = scales(view, controls);
     this.expose(context, view);
-    beam.begin(context, scene, colours.traces[0], strength * this.exposure);
+    const beam = new Beam(context, scene, 0, strength * this.exposure);
     for (let at = 3 * from; at < 3 * to; at += 3) {
-      const [x, y] = [across.zero + across.gain * points[at], up.zero + up.gain * points[at + 1]];
-      this.seconds = Math.max(0, this.seconds + points[at + 2]);
-      if (points[at + 2] < 0 || this.x !== this.x) [this.x, this.y, this.seconds] = [x, y, 0];
+      const [volts, other, seconds] = [points[at], points[at + 1], points[at + 2]];
+      const [x, y] = [across.zero + across.gain * volts, up.zero + up.gain * other];
+      this.seconds = Math.max(0, this.seconds + seconds);
+      if (seconds < 0 || this.x !== this.x) [this.x, this.y, this.seconds] = [x, y, 0];
       const length = Math.hypot(x - this.x, y - this.y);
-      if (length < 0.8 * view.ratio) continue;
+      if (length < 0.8) continue;
       this.time += this.seconds;
       this.way += length;
       // The usual pace has medium brightness.
       const level = 4.5 + 1.5 * Math.log2((this.seconds * this.way) / (length * this.time) || 1);
-      if (Math.abs(level - this.level) > 0.7) this.level = Math.round(Math.min(LEVELS - 1, Math.max(0, level)));
-      const isOver = isLit && Math.max(Math.abs(points[at]), Math.abs(points[at + 1])) >= FULL_SCALE;
-      // Lines of one path do not add up where they cross, those of two do.
-      if (beam.lines > 200) beam.split();
+      if (Math.abs(level - this.level) > 0.7) this.level = Math.round(within(0, level, LEVELS - 1));
+      const isOver = (lit[0] || lit[1]) && Math.max(Math.abs(volts), Math.abs(other)) >= FULL_SCALE;
       beam.line(this.x, this.y, x, y, isOver ? LEVELS : this.level);
       [this.x, this.y, this.seconds] = [x, y, 0];
     }
@@ -168,28 +146,31 @@ class Pen {
   }
 }
 
-function darken(context, view, alpha) {
-  context.globalAlpha = alpha;
-  context.globalCompositeOperation = 'destination-out';
-  context.fillRect(view.x, view.y, view.across + 2, view.up + 2);
+function darken(context, { x, y, across, up }, globalAlpha) {
+  Object.assign(context, { globalAlpha, globalCompositeOperation: 'destination-out' });
+  context.fillRect(x, y, across + 2, up + 2);
   context.globalCompositeOperation = 'source-over';
 }
 
-/** The present trace, and the one before where the present one has not arrived. */
+/**
+ * The present trace, and the one before where the present one has not arrived. Returns where the beams are, unless they
+ * are too fast.
+ */
 function drawLive(context, scene) {
   const { outputs, trace: { total, reached, period, columns } } = scene.model;
   const isSteady = period < STEADY;
   const next = reached + (isSteady || reached === 0 ? 0 : Math.ceil(total / 100));
-  columns.forEach((each, channel) => {
-    if (!outputs[channel]) return;
-    if (next < total) drawColumns(context, scene, each, channel, next, total, isSteady ? 1 : DIM);
-    if (reached > 0) drawColumns(context, scene, each, channel, 0, reached, 1);
+  return columns.map((each, channel) => {
+    if (!outputs[channel]) return [];
+    drawColumns(context, scene, each, channel, next, total, isSteady ? 1 : DIM);
+    const end = drawColumns(context, scene, each, channel, 0, reached, 1);
+    return isSteady || reached >= total ? [] : end;
   });
 }
 
 function drawStored(context, scene, { columns, at }) {
   const { controls: { persistence }, trace } = scene.model;
-  const strength = persistence > 0 ? DIM * FADED ** ((trace.clock - at) / persistence) : DIM;
+  const strength = DIM * FADED ** ((trace.clock - at) / (persistence || Infinity));
   columns.forEach((each, channel) => drawColumns(context, scene, each, channel, 0, trace.total, strength));
 }
 
@@ -199,38 +180,38 @@ export function drawTraces(old, live, scene, pen = new Pen()) {
   if (trace.plane) {
     pen.draw(old, scene, 0, trace.finished, DIM);
     // Parts, so that the brightness of a long curve is adapted on the way.
-    for (let at = trace.finished; at < trace.count; at += 2000) {
-      pen.draw(live, scene, at, Math.min(at + 2000, trace.count), 1);
-    }
+    for (let at = trace.finished; at < trace.count; at += 2000) pen.draw(live, scene, at, Math.min(at + 2000, trace.count), 1);
   } else {
     for (const entry of trace.stored) drawStored(old, scene, entry);
-    drawLive(live, scene);
+    scene.beams = drawLive(live, scene);
   }
 }
 
 /** The layers of a screen: graticule, finished traces, present trace. A layer is drawn only if it has changed. */
 export class Screen {
-  view = layout(10, 10, 1, 1);
+  view = layout(10, 10, 1);
   isStale = true;
   pen = new Pen();
-  begun = 0;
-  /** Points of the present curve, and stored traces, that are drawn. */
-  drawn = 0;
-  newest = null;
+  /** Where the beams of a trace against time are. */
+  beams = [[], []];
+  /** The trace as it is drawn: its counts, the points of its present curve, its last stored trace. */
+  drawn = {};
   /** The clock of the trace at the last step of fading. */
   faded = 0;
 
   constructor(box, model) {
-    [this.grid, this.old, this.live] = [...box.querySelectorAll('canvas')].map((canvas) => canvas.getContext('2d'));
-    [this.box, this.model] = [box, model];
+    Object.assign(this, { box, model, layers: [...box.querySelectorAll('canvas')].map((canvas) => canvas.getContext('2d')) });
   }
 
   resize() {
-    const ratio = window.devicePixelRatio || 1;
-    const [width, height] = [this.box.clientWidth, this.box.clientHeight].map((size) => Math.round(size * ratio));
-    this.colours = palette(this.box);
-    this.view = layout(width, height, ratio, 1.9 * this.colours.size * ratio, this.model.controls?.display === 'plane');
-    for (const { canvas } of [this.grid, this.old, this.live]) if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    const { box, layers, model } = this;
+    const { clientWidth: width, clientHeight: height } = box;
+    this.colours = palette(box);
+    this.view = layout(width, height, 1.9 * this.colours.size, model.controls?.display === 'plane');
+    for (const context of layers) {
+      [context.canvas.width, context.canvas.height] = [width, height].map((size) => Math.round(size * devicePixelRatio));
+      context.scale(devicePixelRatio, devicePixelRatio);
+    }
     this.isStale = true;
   }
 
@@ -240,75 +221,65 @@ export class Screen {
 
   /** Draws what has changed since the last time. */
   draw() {
-    const { old, live, pen, model: { trace } } = this;
-    if (this.isStale || this.left !== trace.left) drawGrid(this.grid, this);
-    if (this.isStale || this.version !== trace.version) {
+    const { layers: [grid, old, live], pen, drawn, model: { trace } } = this;
+    const { left, version, changes, begun, stored, plane } = trace;
+    const newest = stored.at(-1);
+    if (this.isStale || drawn.left !== left) drawGrid(grid, this);
+    if (this.isStale || drawn.version !== version) {
       this.clear(old);
       this.clear(live);
       pen.reset();
       drawTraces(old, live, this, pen);
       this.faded = trace.clock;
     } else {
-      this.fade();
-      if (this.changes === trace.changes) return;
-      if (trace.plane) {
-        this.extend();
-      } else {
-        const newest = trace.stored.at(-1);
-        if (newest && newest !== this.newest) drawStored(old, this, newest);
+      this.fade(old, live);
+      if (drawn.changes === changes) return;
+      if (plane) this.extend(old, live);
+      else {
+        if (newest && newest !== drawn.newest) drawStored(old, this, newest);
         this.clear(live);
-        drawLive(live, this);
+        this.beams = drawLive(live, this);
       }
     }
     this.isStale = false;
     trace.replaced = 0;
-    [this.left, this.version, this.changes, this.begun] = [trace.left, trace.version, trace.changes, trace.begun];
-    [this.newest, this.drawn] = [trace.stored.at(-1), trace.count - trace.finished];
+    this.drawn = { left, version, changes, begun, newest, points: trace.count - trace.finished };
   }
 
   /** Draws the new points of a curve. */
-  extend() {
-    const { pen, old, live, model: { trace } } = this;
-    if (this.begun !== trace.begun) {
+  extend(old, live) {
+    const { pen, drawn: { begun, points }, view: { width, height }, model: { trace } } = this;
+    let from = trace.replaced > 0 ? points - 1 : points;
+    if (begun !== trace.begun) {
       old.globalAlpha = DIM;
-      old.drawImage(live.canvas, 0, 0);
+      old.drawImage(live.canvas, 0, 0, width, height);
       this.clear(live);
       pen.reset();
-      this.drawn = 0;
-    } else {
-      pen.seconds -= trace.replaced;
-    }
-    const from = trace.replaced > 0 ? this.drawn - 1 : this.drawn;
+      from = 0;
+    } else pen.seconds -= trace.replaced;
     pen.draw(live, this, trace.finished + Math.max(0, from), trace.count, 1);
   }
 
   /** Fades finished traces, and curves behind the spot. */
-  fade() {
-    const { pen, model: { trace: { plane, clock }, controls: { persistence, store } } } = this;
+  fade(old, live) {
+    const { pen, view, model: { trace: { plane, clock }, controls: { persistence, store } } } = this;
     const seconds = persistence || (plane && !store ? AFTERGLOW : Infinity);
-    const step = seconds * (Math.log(1 - FADE) / Math.log(FADED));
-    if (seconds === Infinity || clock < this.faded) this.faded = clock;
-    if (clock - this.faded < step) return;
-    const left = (1 - FADE) ** ((clock - this.faded) / step);
+    const steps = (clock - this.faded) / seconds * Math.log(FADED) / Math.log(1 - FADE);
+    if (steps >= 0 && steps < 1 && seconds < Infinity) return;
     this.faded = clock;
-    darken(this.old, this.view, 1 - left);
-    if (!plane || persistence === 0) return;
-    darken(this.live, this.view, 1 - left);
+    if (!(steps >= 1)) return;
+    const left = (1 - FADE) ** steps;
+    darken(old, view, 1 - left);
+    if (!plane || !persistence) return;
+    darken(live, view, 1 - left);
     pen.time *= left;
     pen.way *= left;
   }
 
-  /** Place of a channel's spot in CSS pixels; null if it is not on the screen. */
+  /** Place of a channel's spot; null if it is not on the screen. */
   spot(channel) {
-    const { view, pen, model: { trace, controls, outputs } } = this;
-    let [x, y] = channel === 0 ? [pen.x, pen.y] : [NaN, NaN];
-    if (!trace.plane) {
-      if (!outputs[channel] || trace.reached === 0 || trace.reached >= trace.total || trace.period < STEADY) return null;
-      const { gain, zero } = scales(view, controls)[channel];
-      x = view.x + (view.across * trace.reached) / trace.total;
-      y = zero + gain * trace.valueAt(channel, (trace.reached - 0.5) / trace.total);
-    }
-    const isInside = x >= view.x && x <= view.x + view.across && y >= view.y && y <= view.y + view.up;
-    return isInside ? [x / view.ratio, y / view.ratio] : null;
+    const { view, pen, beams, model: { trace } } = this;
+    const [x, y] = trace.plane ? [[pen.x, pen.y], []][channel] : beams[channel];
+    return x > view.x && x - view.x < view.across && y > view.y && y - view.y < view.up ? [x, y] : null;
   }
 }

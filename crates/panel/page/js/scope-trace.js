@@ -12,27 +12,23 @@ export class Trace {
   version = 0;
   changes = 0;
   begun = 0;
-  plane = false;
-  generation = -1;
   left = 0;
-  columnSeconds = 0;
-  total = 0;
-  reached = 0;
   /** Minimum and maximum of each column. Columns that the trace has not reached keep those of the trace before. */
-  columns = [new Float32Array(0), new Float32Array(0)];
+  columns = [[], []];
   stored = [];
   /** x, y and seconds of finished curves, then from `finished` those of the present one. */
   points = new Float32Array(3 << 12);
-  count = 0;
-  finished = 0;
   /** Seconds of provisional points that later points replaced. */
   replaced = 0;
   /** Seconds in which the machine moved. The phosphor fades with them, so that a held picture stays. */
   clock = 0;
-  since = -Infinity;
   /** Milliseconds between the last two traces. */
   period = Infinity;
   erasedAt = -Infinity;
+
+  constructor() {
+    this.reset();
+  }
 
   erase(now) {
     this.erasedAt = now;
@@ -47,71 +43,65 @@ export class Trace {
 
   /** Takes over a frame's part for this scope. `span` is the width of the screen in seconds. */
   take(data, span, stores, now) {
-    const isFresh = data.generation !== this.generation;
-    if ((data.display === 'plane') !== this.plane || (isFresh && now - this.erasedAt < LATE)) this.reset();
-    this.plane = data.display === 'plane';
+    const { generation, display } = data;
+    const [isFresh, plane] = [generation !== this.generation, display === 'plane'];
+    if (plane !== this.plane || (isFresh && now - this.erasedAt < LATE)) this.reset();
+    Object.assign(this, { plane, generation });
     if (isFresh) {
       this.period = now - this.since;
       this.since = now;
       this.begun += 1;
-      this.changes += 1;
     }
-    if (this.plane) this.takePlane(data, isFresh, stores);
-    else this.takeTime(data, isFresh, span, stores);
-    this.generation = data.generation;
+    const changes = plane ? this.takePlane(data, isFresh, stores) : this.takeTime(data, isFresh, span, stores);
+    if (isFresh || changes) this.changes += 1;
   }
 
-  takeTime(data, isFresh, span, stores) {
-    const total = Math.max(data.reached, Math.min(MOST_COLUMNS, Math.round(span / data.columnSeconds) || 1));
-    if (total !== this.total || data.columnSeconds !== this.columnSeconds) {
+  /** Takes over columns, and returns whether there are any. */
+  takeTime({ channels, left, columnSeconds, reached }, isFresh, span, stores) {
+    const total = Math.max(reached, Math.min(MOST_COLUMNS, Math.round(span / columnSeconds) || 1));
+    if (total !== this.total || columnSeconds !== this.columnSeconds) {
       this.reset();
-      this.total = total;
-      this.columns = [0, 1].map(() => new Float32Array(2 * total).fill(NaN));
+      this.columns = channels.map(() => new Float32Array(2 * total).fill(NaN));
     } else if (isFresh && stores && this.reached > 0) {
       if (this.stored.length === MOST_STORED) this.stored.shift();
       this.stored.push({ at: this.clock, columns: this.columns.map((columns) => columns.slice().fill(NaN, 2 * this.reached)) });
       for (const columns of this.columns) columns.fill(NaN);
-    } else if (!isFresh && data.reached === this.reached && data.left === this.left) {
-      return;
-    }
-    for (let channel = 0; channel < 2; channel += 1) {
-      if (data.channels[channel]) this.columns[channel].set(data.channels[channel]);
-    }
-    [this.left, this.columnSeconds, this.reached] = [data.left, data.columnSeconds, data.reached];
-    this.changes += 1;
+    } else if (!isFresh && reached === this.reached && left === this.left) return false;
+    channels.forEach((values, channel) => { if (values) this.columns[channel].set(values); });
+    return Object.assign(this, { left, columnSeconds, reached, total });
   }
 
-  takePlane(data, isFresh, stores) {
-    if (isFresh) this.finished = stores ? this.count : 0;
+  /** Takes over points, and returns whether there are any. */
+  takePlane({ first, points: added = [] }, isFresh, stores) {
     if (isFresh && !stores) this.count = 0;
-    const more = (data.points?.length ?? 0) / 3;
-    if (more === 0) return;
+    if (isFresh) this.finished = this.count;
+    const more = added.length / 3;
+    if (more === 0) return false;
     const known = this.count - this.finished;
     // The last point of a frame is provisional. If more is replaced, the machine was moved back.
-    if (data.first < known - 1) this.version += 1;
-    for (let at = data.first; at < known; at += 1) this.replaced += this.points[3 * (this.finished + at) + 2];
-    this.count = this.finished + Math.min(data.first, known);
+    if (first < known - 1) this.version += 1;
+    for (let at = first; at < known; at += 1) this.replaced += this.points[3 * (this.finished + at) + 2];
+    this.count = this.finished + Math.min(first, known);
     if (this.count + more > MOST_POINTS) {
       this.points.copyWithin(0, 3 * this.finished, 3 * this.count);
       [this.count, this.finished] = [this.count - this.finished, 0];
     }
-    if (3 * (this.count + more) > this.points.length) {
-      const larger = new Float32Array(Math.max(2 * this.points.length, 3 * (this.count + more)));
-      larger.set(this.points);
-      this.points = larger;
+    const { count, points } = this;
+    if (3 * (count + more) > points.length) {
+      this.points = new Float32Array(6 * (count + more));
+      this.points.set(points);
     }
-    this.points.set(data.points, 3 * this.count);
+    this.points.set(added, 3 * count);
     // A line across points that are missing would be a way that the beam never took.
-    if (data.first > known || data.first === 0) this.points[3 * this.count + 2] = -1;
-    this.count += more;
-    this.changes += 1;
+    if (first > known || first === 0) this.points[3 * count + 2] = -1;
+    return (this.count += more);
   }
 
   /** Minimum and maximum of a channel on the screen. */
   extent(channel) {
+    const { plane, points, columns, count, total } = this;
     let [low, high] = [Infinity, -Infinity];
-    const [values, first, end, step] = this.plane ? [this.points, channel, 3 * this.count, 3]
-      : [this.columns[channel], 0, 2 * this.total, 1];
+    const [values, first, end, step] = plane ? [points, channel, 3 * count, 3] : [columns[channel], 0, 2 * total, 1];
     for (let at = first; at < end; at += step) {
       if (values[at] < low) low = values[at];
       if (values[at] > high) high = values[at];
@@ -121,8 +111,8 @@ export class Trace {
 
   /** Volts of a channel at a share of the screen: the middle of a column. NaN if it has no trace there. */
   valueAt(channel, share) {
-    const at = 2 * Math.min(this.total - 1, Math.floor(share * this.total));
-    return this.total > 0 ? (this.columns[channel][at] + this.columns[channel][at + 1]) / 2 : NaN;
+    const [at, values] = [2 * Math.min(this.total - 1, Math.floor(share * this.total)), this.columns[channel]];
+    return (values[at] + values[at + 1]) / 2;
   }
 
   /** Mean period of a channel in seconds, from its rising passages through the middle; 0 if it has none. */

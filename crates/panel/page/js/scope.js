@@ -2,7 +2,7 @@
 
 import { fill, quantity, template, within, write } from './dom.js';
 import { nameOf, reading } from './probes.js';
-import { mountControls, setPosition, setVolts, stepBase, stepVolts } from './scope-controls.js';
+import { mountControls, setPosition } from './scope-controls.js';
 import { save } from './scope-export.js';
 import { ACROSS, scales, UP } from './scope-grid.js';
 import { mountMark, placeMark } from './scope-marks.js';
@@ -15,8 +15,8 @@ const [TEXT, READING] = [1000, 100];
 /** Pixels of a wheel for one step. */
 const NOTCH = 60;
 
-/** Chooses scales so that the traces fill the screen. */
-function autoSet(controls, { outputs, trace }, present) {
+/** Chooses scales so that the traces fill the screen. `present` has the voltages now. */
+function autoSet(controls, { outputs, trace }, present, step) {
   const isTime = controls.display === 'time';
   controls.channels.forEach((each, channel) => {
     let [low, high] = trace.extent(channel);
@@ -25,23 +25,25 @@ function autoSet(controls, { outputs, trace }, present) {
     const size = Math.max(Math.abs(low), Math.abs(high), 1e-3);
     // A trace on both sides of 0 V, or nearly constant, keeps 0 V in the middle.
     const isCentral = high - low > 1.2 * size || high - low < 0.05 * size;
-    const divisions = (isTime || channel === 1 ? UP : ACROSS) / 2 - 0.5;
-    const half = isCentral ? size : (high - low) / 2;
-    each.volts_per_division = stepVolts((half / divisions) * 0.999, 1, outputs[channel], true);
-    const middle = isCentral ? 0 : (low + high) / 2 / each.volts_per_division;
-    setPosition(each, Math.round((each.inverted ? 2 : -2) * middle) / 2);
+    const [half, middle] = isCentral ? [size, 0] : [(high - low) / 2, (low + high) / 2];
+    step(controls, channel, (half / ((isTime || channel ? UP : ACROSS) / 2 - 0.5)) * 0.999, 1);
+    setPosition(each, Math.round(((each.inverted ? 2 : -2) * middle) / each.volts_per_division) / 2);
   });
-  const period = isTime ? trace.periodOf(outputs[0] ? 0 : 1) : 0;
-  if (isTime) controls.seconds_per_division = period > 0 ? stepBase((2.5 * period) / ACROSS, 1) : 0;
+  if (!isTime) return;
+  controls.seconds_per_division = 0;
+  const period = trace.periodOf(outputs[0] ? 0 : 1);
+  if (period) step(controls, -1, (2.5 * period) / ACROSS, 1);
 }
 
 /** Puts a scope into an element. @param {HTMLElement} root @param {number} index 0 or 1 */
 export function mountScope(root, index) {
   const trace = new Trace();
-  const model = { controls: null, outputs: [null, null], lit: [false, false], span: 1, trace, title: '' };
+  const model = { controls: null, outputs: [], lit: [false, false], span: 1, trace };
   const cursors = [[0.25, 0.6], [0.75, 0.4]];
-  let [places, active, wheel, isPending, isScheduled, isMoving, hasCursors] = [[-1, -1], 0, 0, false, false, false, false];
-  let [unanswered, textAt, readAt, frameAt, shown] = [0, 0, 0, 0, ''];
+  let [active, wheel, unanswered, textAt, readAt, frameAt] = [0, 0, 0, 0, 0, 0];
+  let [isScheduled, isMoving, hasCursors] = [false, false, false];
+  /** Indices of the channels' outputs, and the outputs that the lists have, as text. */
+  let [places, shown] = [[], ''];
 
   const parts = template('scope');
   const { node, box, picture, readout } = parts;
@@ -49,71 +51,73 @@ export function mountScope(root, index) {
   const spots = box.querySelectorAll('.scope-spot');
   const [first, second, level] = box.querySelectorAll('[role=slider]');
   const marks = [first, second];
-  marks.forEach((mark, at) => mountMark(mark, screen, (x, y) => {
-    cursors[at] = [x, y];
+  marks.forEach((mark, at) => mountMark(mark, screen, (...place) => {
+    cursors[at] = place;
     read();
   }, () => cursors[at]));
   mountMark(level, screen, (_, y) => change(({ trigger }) => {
     trigger.level = Number(voltsAt(trigger.channel, y).toPrecision(4));
   }), () => [1, levelShare()]);
 
-  const saveAs = (kind) => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`);
-  const update = mountControls(parts, model, change, {
+  const saveAs = (kind) => () => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`);
+  const { step, update } = mountControls(parts, model, change, {
     place: (channel) => selectProbe((output) => change(({ channels }) => { channels[channel].output = output; })),
     cursors: (are) => {
       hasCursors = are;
       refresh();
     },
-    auto: () => change((controls) => autoSet(controls, model, places.map((place) => state.frame?.volts[place]))),
+    auto: () => change((controls) => autoSet(controls, model, voltages(), step)),
     erase: () => {
       trace.erase(performance.now());
       send({ command: 'erase', scope: index });
       schedule();
     },
-    svg: () => saveAs('svg'), png: () => saveAs('png'), csv: () => saveAs('csv'),
+    svg: saveAs('svg'), png: saveAs('png'), csv: saveAs('csv'),
   });
   root.append(node);
 
-  /** Changes the controls. They are sent once before the next picture. */
-  function change(edit) {
+  /** Changes the controls. */
+  async function change(edit) {
     if (!model.controls) return;
     const controls = structuredClone(model.controls);
     edit(controls);
-    isPending = true;
     take(controls);
+    unanswered += 1;
+    await send({ command: 'scope', scope: index, controls });
+    unanswered -= 1;
+    synchronise();
   }
 
   /** Takes over controls. The screen is erased if its traces do not belong to them. */
   function take(controls) {
-    const kind = ({ display, seconds_per_division: seconds, channels }) => [display, seconds, ...channels.map(({ output }) => output)].join();
-    const isOther = !model.controls || kind(controls) !== kind(model.controls);
-    if (isOther && model.controls) trace.erase(performance.now());
+    const kind = ({ display, seconds_per_division: seconds, channels }) =>
+      [display, seconds, ...channels.map(({ output }) => output)].join();
+    const before = model.controls;
     model.controls = controls;
-    if (isOther) screen.resize();
+    if (!before || kind(controls) !== kind(before)) {
+      if (before) trace.erase(performance.now());
+      screen.resize();
+    }
     refresh();
   }
 
   function refresh() {
     const { controls } = model;
     if (!controls) return;
-    const outputs = state.patch?.outputs ?? [];
+    const { patch } = state;
     const others = shown !== (shown = outputsText());
-    places = controls.channels.map(({ output }) => outputs.findIndex(({ name }) => name === output));
-    model.outputs = places.map((place) => outputs[place] ?? null);
-    model.title = `${state.patch?.title || state.patch?.file || 'patch'}, scope ${index + 1}`;
+    places = controls.channels.map(({ output }) => patch?.outputs.findIndex(({ name }) => name === output));
+    model.outputs = places.map((place) => patch?.outputs[place]);
+    model.title = `${patch?.title || patch?.file || 'patch'}, scope ${index + 1}`;
     model.span = spanOf(controls);
     screen.isStale = true;
-    update(controls, others ? state.patch : null);
+    update(controls, others ? patch : null);
     schedule();
   }
 
-  function outputsText() {
-    return JSON.stringify([state.patch?.outputs, state.patch?.title]);
-  }
-
-  function spanOf(controls) {
-    return ACROSS * controls.seconds_per_division || state.machine?.sweep || 1;
-  }
+  const outputsText = () => JSON.stringify([state.patch?.outputs, state.patch?.title]);
+  const spanOf = (controls) => ACROSS * controls.seconds_per_division || state.machine?.sweep || 1;
+  const voltages = () => places.map((place) => state.frame?.volts[place] ?? NaN);
 
   function schedule() {
     if (!isScheduled) requestAnimationFrame(paint);
@@ -123,21 +127,13 @@ export function mountScope(root, index) {
   function paint(now) {
     isScheduled = false;
     const { controls } = model;
-    if (isPending) {
-      isPending = false;
-      unanswered += 1;
-      send({ command: 'scope', scope: index, controls }).then(() => {
-        unanswered -= 1;
-        synchronise();
-      });
-    }
     if (!controls || screen.view.width < 20) return;
     if (screen.isStale || (hasCursors && now - readAt > READING)) read(now);
     screen.draw();
     spots.forEach((spot, channel) => {
-      const at = isMoving ? screen.spot(channel) : null;
+      const at = isMoving && screen.spot(channel);
       spot.hidden = !at;
-      if (at) spot.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
+      if (at) spot.style.translate = at.map((each) => `${each}px`).join(' ');
     });
     if (now - textAt > TEXT) describe(now);
   }
@@ -150,9 +146,10 @@ export function mountScope(root, index) {
   }
 
   function levelShare() {
-    const { trigger } = model.controls;
-    const { gain, zero } = scales(screen.view, model.controls)[trigger.channel];
-    return within(0, 1 - (zero + gain * trigger.level - screen.view.y) / screen.view.up, 1);
+    const { view, model: { controls } } = screen;
+    const { trigger } = controls;
+    const { gain, zero } = scales(view, controls)[trigger.channel];
+    return within(0, 1 - (zero + gain * trigger.level - view.y) / view.up, 1);
   }
 
   /** Writes the readings of the cursors and puts the marks to their places. */
@@ -166,13 +163,14 @@ export function mountScope(root, index) {
     placeMark(level, view, [1, levelShare()], levelShare(), quantity(trigger.level, 'V'));
     for (const each of [readout, ...marks]) each.hidden = !hasCursors;
     if (!hasCursors) return;
+    const differences = (name, from, to, text) => [name, text(from), text(to), text(to - from)];
+    const rows = outputs.map((output, channel) => {
+      const values = cursors.map((place) => (isPlane ? voltsAt(channel, place[channel]) : trace.valueAt(channel, place[0])));
+      return output && differences(nameOf(output), ...values, (volts) => reading(volts, output));
+    });
     const times = cursors.map(([share]) => trace.left + share * span);
-    const apart = times[1] - times[0];
-    const rows = [!isPlane && ['t', ...times.map((time) => quantity(time, 's', 5)), `${quantity(apart, 's')}, 1/Δt = ${quantity(1 / apart, 'Hz')}`],
-      ...outputs.map((output, channel) => {
-        const [from, to] = cursors.map((place) => (isPlane ? voltsAt(channel, place[channel]) : trace.valueAt(channel, place[0])));
-        return output && [nameOf(output), ...[from, to, to - from].map((value) => reading(value, output))];
-      })];
+    rows.unshift(!isPlane && differences('t', ...times, (time) => quantity(time, 's', 5)));
+    if (!isPlane) rows[0][3] += `, 1/Δt = ${quantity(1 / (times[1] - times[0]), 'Hz')}`;
     rows.forEach((texts, at) => {
       const row = readout.tBodies[0].rows[at];
       row.hidden = !texts;
@@ -181,8 +179,9 @@ export function mountScope(root, index) {
     marks.forEach((mark, at) => {
       const [right, top] = cursors[at];
       mark.classList.toggle('scope-cross', isPlane);
-      mark.style.height = isPlane ? '' : `${view.up / view.ratio}px`;
-      placeMark(mark, view, [right, isPlane ? top : 1], right, rows.filter(Boolean).map((texts) => `${texts[0]} ${texts[at + 1]}`).join(', '));
+      mark.style.height = isPlane ? '' : `${view.up}px`;
+      const values = rows.filter(Boolean).map((texts) => `${texts[0]} ${texts[at + 1]}`);
+      placeMark(mark, view, [right, isPlane ? top : 1], right, values.join(', '));
     });
   }
 
@@ -190,16 +189,13 @@ export function mountScope(root, index) {
   function describe(now) {
     textAt = now;
     const { controls, outputs, lit, span } = model;
-    const texts = outputs.map((output, channel) => output && [
-      `${nameOf(output)}: ${reading(state.frame?.volts[places[channel]] ?? NaN, output)}`,
-      reading(controls.channels[channel].volts_per_division, output, '/div'), ...(lit[channel] ? ['overloaded'] : []),
-    ].join(', '));
+    const volts = voltages();
+    const texts = outputs.map((output, channel) => output && [`${nameOf(output)}: ${reading(volts[channel], output)}`,
+      reading(controls.channels[channel].volts_per_division, output, '/div'), lit[channel] && 'overloaded'].filter(Boolean).join(', '));
     const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${quantity(span / ACROSS, 's', 3)}/div`;
     picture.setAttribute('aria-label', `Scope ${index + 1}, ${kind}. ${texts.filter(Boolean).join('. ') || 'No probe'}`);
   }
 
-  const stepChannel = (channel, direction) => change(({ channels }) =>
-    setVolts(channels[channel], stepVolts(channels[channel].volts_per_division, direction, model.outputs[channel])));
   fill(node, { onfocusin: ({ target }) => { active = Number(target.parentElement.dataset.channel ?? active); } });
   fill(box, {
     onwheel(event) {
@@ -209,9 +205,11 @@ export function mountScope(root, index) {
       if (Math.abs(wheel) < NOTCH) return;
       const direction = Math.sign(wheel);
       wheel = 0;
-      if (event.shiftKey) stepChannel(active, direction);
-      else if (model.controls.display === 'time') change((controls) => { controls.seconds_per_division = stepBase(model.span / ACROSS, direction); });
-      else for (const channel of [0, 1]) stepChannel(channel, direction);
+      const isTime = model.controls.display === 'time';
+      change((controls) => {
+        if (isTime && !event.shiftKey) step(controls, -1, model.span / ACROSS, direction);
+        for (const channel of event.shiftKey ? [active] : isTime ? [] : [0, 1]) step(controls, channel, null, direction);
+      });
     },
   });
 
@@ -225,7 +223,7 @@ export function mountScope(root, index) {
   /** Takes over the session's controls. An answer to an earlier change would undo a later one. */
   function synchronise() {
     const controls = state.scopes[index];
-    if (controls && !isPending && unanswered === 0 && JSON.stringify(controls) !== JSON.stringify(model.controls)) take(controls);
+    if (controls && !unanswered && JSON.stringify(controls) !== JSON.stringify(model.controls)) take(controls);
   }
 
   // A knob changes the patch sixty times a second. Only other outputs concern the scope.

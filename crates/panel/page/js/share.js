@@ -1,8 +1,7 @@
 /** The patch in a link: compressed in the part of the address that browsers do not send to servers. */
 
-import { openDialog } from './dialogs.js';
-import { button, el, label } from './dom.js';
-import { send, state } from './state.js';
+import { byId } from './dom.js';
+import { ask, state } from './state.js';
 
 /** The largest text of a patch in a link, in bytes. */
 const LARGEST_IN_LINK = 1e6;
@@ -59,34 +58,27 @@ export async function takeLink() {
   }
 }
 
-/** Copies a link. Pages without encryption have no clipboard, but they can copy what is selected. */
-async function copy(field) {
-  try {
-    await navigator.clipboard.writeText(field.value);
-    return true;
-  } catch {
-    field.select();
-    return document.execCommand('copy');
-  }
+/** Copies the link. Pages without encryption have no clipboard, but they can copy what is selected. */
+async function copy() {
+  const field = byId('share-link');
+  const isCopied = await navigator.clipboard?.writeText(field.value).then(() => true, () => false);
+  if (!isCopied) field.select();
+  byId('share-status').textContent = isCopied || document.execCommand('copy') ? 'The link is copied.' : 'Select the link and copy it.';
 }
 
 /** Copies the link of the present patch, and shows it. The address has no token, because only its path is used. */
 export async function share() {
-  const patch = (await send({ command: 'text' })).find(({ event }) => event === 'text');
+  const patch = await ask('text');
   if (!patch) return;
   const data = btoa(Array.from(await deflate(patch.text), (byte) => String.fromCharCode(byte)).join(''));
   const coded = data.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
   const url = `${location.origin}${location.pathname}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
-  const field = el('input', { type: 'text', readonly: true, value: url });
-  const status = el('p', { role: 'status' });
-  const again = async () => { status.textContent = await copy(field) ? 'The link is copied.' : 'Select the link and copy it.'; };
-  const dialog = openDialog('Share this patch', [
-    el('p', null, 'The link contains the complete patch.', state.host?.kind === 'server' && ' It opens in the panel of this computer. Others need patchcord panel at the same address, or the file.'),
-    label('Link', field),
-    url.length > LONG_LINK && el('p', { class: 'warning' }, `Some programs cut a link of ${url.length} characters. Send the file instead.`),
-    status,
-    el('div', { class: 'dialog-buttons' }, button('Close', () => dialog.close()),
-      navigator.share && button('Share…', () => navigator.share({ url }).catch(() => {})),
-      button('Copy the link', again, { class: 'primary', autofocus: true }))]);
-  again();
+  byId('share-link').value = url;
+  byId('share-server').hidden = state.host?.kind !== 'server';
+  byId('share-long').hidden = url.length <= LONG_LINK;
+  byId('share-system').hidden = !navigator.share;
+  byId('share-system').onclick = () => navigator.share({ url }).catch(() => {});
+  byId('share-copy').onclick = copy;
+  byId('share-dialog').showModal();
+  copy();
 }

@@ -13,23 +13,20 @@ export const state = {
 /** Events that are kept as their list. */
 const LISTS = ['findings', 'scopes'];
 
-/** @type {Map<string, Set<(data: any) => void>>} */
+/** @type {Map<string, ((data: any) => void)[]>} */
 const listeners = new Map();
 
 /**
  * Calls the listener with the data of each event of this name. The page adds `frame`,
  * `link` ({connected, message}), `highlight` (a place), `probing` ({active}) and `theme`.
- * @returns {() => void} removes the listener
  */
 export function on(name, listener) {
-  if (!listeners.has(name)) listeners.set(name, new Set());
-  listeners.get(name).add(listener);
-  return () => listeners.get(name).delete(listener);
+  listeners.set(name, [...listeners.get(name) ?? [], listener]);
 }
 
 /** Calls the listeners. A fault in one of them does not keep the others from running. */
 export function emit(name, data) {
-  for (const listener of [...(listeners.get(name) ?? [])]) {
+  for (const listener of listeners.get(name) ?? []) {
     try {
       listener(data);
     } catch (fault) {
@@ -67,12 +64,20 @@ export function send(...commands) {
     before.commands = commands;
     return before.answer;
   }
-  let resolve;
-  const answer = new Promise((done) => { resolve = done; });
+  const { promise: answer, resolve } = Promise.withResolvers();
   waiting.push({ commands, key, answer, resolve });
   pump();
   return answer;
 }
+
+/** The event of this name in an answer, if there is one. */
+export const eventOf = (events, name) => events.find(({ event }) => event === name);
+
+/** Why the answer refuses its command, or nothing. */
+export const refusalOf = (events) => eventOf(events, 'refused')?.message;
+
+/** Sends a command that is answered by an event of the same name. Resolves with this event, if there is one. */
+export const ask = async (command) => eventOf(await send({ command }), command);
 
 async function pump() {
   if (isOpen || waiting.length === 0 || !state.host) return;
@@ -81,8 +86,7 @@ async function pump() {
   requests += 1;
   let events = [];
   try {
-    const answer = await state.host.request(JSON.stringify({ id: requests, commands }));
-    events = receive(answer);
+    events = receive(await state.host.request(JSON.stringify({ id: requests, commands })));
   } catch (fault) {
     console.warn(fault);
   }
@@ -121,9 +125,7 @@ export async function open() {
 }
 
 /** Asks the views to show a place at the panel. */
-export function highlight(place) {
-  emit('highlight', place);
-}
+export const highlight = (place) => emit('highlight', place);
 
 /** @type {((output: string) => void) | null} */
 let probe = null;
@@ -145,11 +147,9 @@ export function probed(output) {
 }
 
 export function cancelProbe() {
-  if (probe === null) return;
+  if (!isProbing()) return;
   probe = null;
   emit('probing', { active: false });
 }
 
-export function isProbing() {
-  return probe !== null;
-}
+export const isProbing = () => probe !== null;

@@ -195,7 +195,7 @@ impl Session {
             }
             Command::Snapshot => events.push(Event::Snapshot { snapshot: self.snapshot() }),
             Command::Restore { snapshot } => self.restore(snapshot, events)?,
-            Command::Mode { mode } => self.set_mode(*mode, true),
+            Command::Mode { mode } => self.select_mode(*mode, events),
             Command::Speed { factor } => {
                 check_speed(*factor)?;
                 self.bench.controls.speed = *factor;
@@ -324,7 +324,7 @@ impl Session {
             }
             Change::Panel => events.push(self.patch_event()),
             Change::Mode(mode) => {
-                self.set_mode(mode, false);
+                self.bench.set_mode(mode, &mut self.scopes);
                 events.push(self.patch_event());
             }
         }
@@ -344,12 +344,13 @@ impl Session {
         self.turning = Turning::No;
     }
 
-    /// Selects a mode. It becomes a step of the history if `is_step`.
-    fn set_mode(&mut self, mode: Mode, is_step: bool) {
+    /// Selects a mode. Another mode is a step of the history, which is in the view of the patch.
+    fn select_mode(&mut self, mode: Mode, events: &mut Vec<Event>) {
         let before = self.bench.controls.mode;
         self.bench.set_mode(mode, &mut self.scopes);
-        if is_step && before != mode {
+        if before != mode {
             self.document.record_mode(before, mode);
+            events.push(self.patch_event());
         }
     }
 

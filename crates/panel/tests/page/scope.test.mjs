@@ -3,8 +3,10 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { stepOf, stepVolts } from '../../page/js/scope-controls.js';
-import { reading, scales, si } from '../../page/js/scope-grid.js';
+import { quantity } from '../../page/js/dom.js';
+import { reading } from '../../page/js/probes.js';
+import { series } from '../../page/js/scope-controls.js';
+import { scales } from '../../page/js/scope-grid.js';
 import { Trace } from '../../page/js/scope-trace.js';
 
 const time = (generation, values) => ({
@@ -59,22 +61,20 @@ test('The period of a sine', () => {
   assert.ok(Math.abs(trace.periodOf(0) - 62.5) < 0.5);
 });
 
-test('Steps are 1-2-5, in volts or in units', () => {
-  assert.deepEqual([1, 2, 5, 0.003].map((value) => stepOf(value, 1)), [2, 5, 10, 0.005]);
-  assert.deepEqual([1, 2, 5, 0.003].map((value) => stepOf(value, -1)), [0.5, 1, 2, 0.002]);
-  assert.equal(stepVolts(20, 1, 0.2), 25);
-  assert.equal(stepVolts(50, 1, 1), 50);
+test('Steps are round values from the first to the last', () => {
+  assert.deepEqual(series(0.002, 0.1), [0.002, 0.0025, 0.005, 0.01, 0.02, 0.025, 0.05, 0.1]);
+  assert.deepEqual(series(3, 50), [5, 10, 20, 25, 50]);
 });
 
 test('Readings', () => {
-  assert.equal(si(2e-5, 's'), '20\u202fµs');
-  assert.equal(si(-1500, 'mm', 4), '−1500\u202fmm');
-  assert.equal(si(NaN, 'V'), '—');
+  assert.equal(quantity(2e-5, 's'), '20\u202fµs');
+  assert.equal(quantity(-1500, 'mm', 4), '−1500\u202fmm');
+  assert.equal(quantity(NaN, 'V'), '—');
   assert.equal(reading(-20, { signal: 'v', unit: 'mm', per_volt: -4 }), '−20\u202fV = 80\u202fmm');
 });
 
 test('Volts upwards, and downwards if the channel is inverted', () => {
-  const view = { x: 0, y: 0, across: 100, up: 80, division: 10 };
+  const view = { x: 0, y: 0, across: 100, up: 80, dx: 10, dy: 10 };
   const channel = { inverted: false, volts_per_division: 20, centre: 10 };
   const [up, down] = scales(view, { display: 'time', channels: [channel, { ...channel, inverted: true }] });
   assert.deepEqual([up.zero + 30 * up.gain, down.zero + 30 * down.gain], [30, 50]);
