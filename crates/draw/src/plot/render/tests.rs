@@ -117,7 +117,7 @@ fn only_traces_drawn_over_themselves_many_times_are_translucent() {
         let angle = |n: u32| f64::from(n) * 0.1;
         let points = (0..63 * times).map(|n| (5.0 + 4.0 * angle(n).cos(), 4.0 * angle(n).sin()));
         let dense = picture(vec![channel("circle", points.collect())]);
-        (svg(&[dense.clone()]), dense)
+        (svg(std::slice::from_ref(&dense)), dense)
     };
     let is_translucent = |text: &str| text.contains("opacity=\"0");
     assert!(!is_translucent(&svg(&[wave()])) && !is_translucent(&circles(2).0));
