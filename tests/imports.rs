@@ -112,7 +112,7 @@ const MODULES: [(&str, &[&str]); 10] = [
         &["statistics", "data", "effects", "fit", "residuals", "localise", "design", "search", "report"],
     ),
     ("thesis", &["slideway", "chain", "replay"]),
-    ("web", &["bin"]),
+    ("web", &[]),
 ];
 
 /// The top-level module and the code of every source file of a crate.
