@@ -209,7 +209,7 @@ impl Session {
             Command::Scrub { time } => {
                 within("the time", Some(*time), 0.0, f64::MAX)?;
                 let parameters = self.parameters();
-                self.bench.scrub(*time, &parameters, &mut self.scopes).map_err(refusal)?;
+                self.bench.scrub(*time, &parameters, &mut self.scopes).map_err(Refusal::new)?;
             }
             Command::Advance { seconds } => {
                 within("the time to advance", Some(*seconds), 0.0, 1.0)?;
@@ -225,7 +225,7 @@ impl Session {
                 self.follow(change, events);
             }
             Command::Scope { scope, controls } => {
-                self.scope(*scope)?.set_controls(controls.clone()).map_err(refusal)?;
+                self.scope(*scope)?.set_controls(controls.clone()).map_err(Refusal::new)?;
                 self.bench.watch(&self.probes, &self.scopes);
                 events.push(self.scopes_event());
             }
@@ -259,7 +259,8 @@ impl Session {
             Command::StaticCheck { seed } => {
                 let compiled = self.compiled.as_ref().ok_or_else(faulty)?;
                 events.push(
-                    view::static_check_event(&compiled.circuit, &compiled.program, *seed).map_err(refusal)?,
+                    view::static_check_event(&compiled.circuit, &compiled.program, *seed)
+                        .map_err(Refusal::new)?,
                 );
             }
             edit => self.edit(edit, events)?,
@@ -273,14 +274,24 @@ impl Session {
     /// If the command is refused by the document, or the value of a parameter by the machine. Nothing is changed then.
     fn edit(&mut self, command: &Command, events: &mut Vec<Event>) -> Result<(), Refusal> {
         let edited = self.document.edited(command)?;
+        let mut machine_has_it = false;
         if let Command::Parameter { name, value } = command
             && !self.bench.is_blocked
         {
-            self.bench.set_parameter(name, *value).map_err(refusal)?;
+            self.bench.set_parameter(name, *value).map_err(Refusal::new)?;
+            machine_has_it = true;
         }
-        let change = self.document.commit(edited);
-        self.follow(change, events);
+        match self.document.commit(edited) {
+            Change::Parameter { name, value } if machine_has_it => self.note_turned(name, value, events),
+            change => self.follow(change, events),
+        }
         Ok(())
+    }
+
+    /// Notes that the machine has another value of a parameter.
+    fn note_turned(&mut self, name: String, value: f64, events: &mut Vec<Event>) {
+        self.turning = Turning::Now;
+        events.push(Event::Parameter { name, value });
     }
 
     /// Compiles the patch again after parameters were turned, for the views. The machine has the values already.
@@ -315,8 +326,7 @@ impl Session {
                 if self.bench.is_blocked || self.bench.set_parameter(&name, value).is_err() {
                     return self.follow(Change::Patch, events);
                 }
-                self.turning = Turning::Now;
-                events.push(Event::Parameter { name, value });
+                self.note_turned(name, value, events);
             }
             Change::Patch => {
                 self.use_patch(false);
@@ -384,7 +394,9 @@ impl Session {
     /// If there is none.
     fn scope(&mut self, number: usize) -> Result<&mut Scope, Refusal> {
         let count = self.scopes.len();
-        self.scopes.get_mut(number).ok_or_else(|| refusal(format!("there are scopes 0 ... {}", count - 1)))
+        self.scopes
+            .get_mut(number)
+            .ok_or_else(|| Refusal::new(format!("there are scopes 0 ... {}", count - 1)))
     }
 
     /// Checks that the patch has an output of this name.
@@ -395,7 +407,7 @@ impl Session {
         let Some(output) = output else { return Ok(()) };
         match self.probes.element(output) {
             Some(_) => Ok(()),
-            None => Err(refusal(format!("there is no output {output}"))),
+            None => Err(Refusal::new(format!("there is no output {output}"))),
         }
     }
 
@@ -459,20 +471,21 @@ impl Session {
     fn run_event(&self) -> Result<Event, Refusal> {
         let compiled = compile(self.document.patch()).1;
         let compiled = compiled.ok_or_else(faulty)?;
-        let mut settings = RunSettings::of(&compiled.circuit).map_err(|error| refusal(error.to_string()))?;
+        let mut settings =
+            RunSettings::of(&compiled.circuit).map_err(|error| Refusal::new(error.to_string()))?;
         // The command makes these checks. They evaluate further instants, and the last digits of a loop's solution
         // depend on the solution before it.
         (settings.checks_steps, settings.finds_amplifier_peaks) = (true, true);
-        limits::check_run(&settings).map_err(refusal)?;
+        limits::check_run(&settings).map_err(Refusal::new)?;
         let trace =
-            run(&compiled.program, &settings).map_err(|stopped| refusal(stopped.error.to_string()))?;
+            run(&compiled.program, &settings).map_err(|stopped| Refusal::new(stopped.error.to_string()))?;
         let mut csv = Vec::new();
-        trace.write_csv(&mut csv).map_err(|error| refusal(error.to_string()))?;
+        trace.write_csv(&mut csv).map_err(|error| Refusal::new(error.to_string()))?;
         if csv.len() > MAX_TABLE_BYTES {
-            return Err(refusal(limits::table_too_large()));
+            return Err(Refusal::new(limits::table_too_large()));
         }
         let overloads = trace.overloads().map(|overload| overload.element.clone()).collect();
-        let csv = String::from_utf8(csv).map_err(|error| refusal(error.to_string()))?;
+        let csv = String::from_utf8(csv).map_err(|error| Refusal::new(error.to_string()))?;
         Ok(Event::Table { csv, overloads })
     }
 
@@ -629,12 +642,7 @@ fn answer(id: Option<u64>, events: Vec<Event>, frame: Option<Vec<u8>>) -> Answer
 
 /// The refusal of a command that needs a patch without faults.
 fn faulty() -> Refusal {
-    refusal("the patch has faults; correct them first".to_owned())
-}
-
-/// A refusal that is not about a place at the panel.
-fn refusal(message: String) -> Refusal {
-    Refusal { message, place: None }
+    Refusal::new("the patch has faults; correct them first")
 }
 
 /// Checks the length of a sweep.
@@ -646,7 +654,7 @@ fn check_sweep(seconds: Option<f64>, patch: &Patch) -> Result<(), Refusal> {
     let step = patch.run.step.as_ref().map(|step| step.value);
     match (seconds, step) {
         (Some(seconds), Some(step)) if seconds < step => {
-            Err(refusal(format!("a sweep of {seconds} s is shorter than the step of {step} s")))
+            Err(Refusal::new(format!("a sweep of {seconds} s is shorter than the step of {step} s")))
         }
         _ => Ok(()),
     }
@@ -675,7 +683,7 @@ fn check_rate(hertz: Option<f64>) -> Result<(), Refusal> {
 fn within(what: &str, number: Option<f64>, least: f64, most: f64) -> Result<(), Refusal> {
     match number {
         Some(number) if !(least..=most).contains(&number) => {
-            Err(refusal(format!("{what} must be from {least} to {most}, got {number}")))
+            Err(Refusal::new(format!("{what} must be from {least} to {most}, got {number}")))
         }
         _ => Ok(()),
     }

@@ -4,7 +4,7 @@ use patchcord_core::patch::TableAccess;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{check_rate, check_speed, check_sweep, refusal};
+use super::{check_rate, check_speed, check_sweep};
 use crate::command::{Mode, PROTOCOL_VERSION};
 use crate::document::{Document, Refusal};
 use crate::scope::{SCOPES, Scope, ScopeControls};
@@ -34,7 +34,7 @@ impl Saved {
     /// If it is not one of this version, or has a value that is not permitted.
     pub(super) fn read(snapshot: &Value, table_access: &TableAccess) -> Result<Saved, Refusal> {
         if snapshot["protocol"] != PROTOCOL_VERSION {
-            return Err(refusal("the saved session is of another version of the panel".to_owned()));
+            return Err(Refusal::new("the saved session is of another version of the panel"));
         }
         let document = Document::restore(&snapshot["document"], table_access)?;
         let [speed, sweep, rate]: [Option<f64>; 3] =
@@ -61,7 +61,7 @@ impl Saved {
 fn field<T: DeserializeOwned>(snapshot: &Value, key: &str) -> Result<T, Refusal> {
     let value = snapshot.get(key).cloned().unwrap_or_default();
     serde_json::from_value(value)
-        .map_err(|error| refusal(format!("the saved session cannot be read: {key}: {error}")))
+        .map_err(|error| Refusal::new(format!("the saved session cannot be read: {key}: {error}")))
 }
 
 /// The scopes with these controls. Those without controls have the usual ones.
@@ -71,7 +71,7 @@ fn field<T: DeserializeOwned>(snapshot: &Value, key: &str) -> Result<T, Refusal>
 fn scopes(controls: Vec<ScopeControls>) -> Result<Vec<Scope>, Refusal> {
     let mut scopes: Vec<Scope> = (0..SCOPES).map(|_| Scope::new()).collect();
     for (scope, controls) in scopes.iter_mut().zip(controls) {
-        scope.set_controls(controls).map_err(refusal)?;
+        scope.set_controls(controls).map_err(Refusal::new)?;
     }
     Ok(scopes)
 }
