@@ -78,7 +78,7 @@ export function button(text, onclick, attributes) {
   return el('button', { type: 'button', onclick, ...attributes }, text);
 }
 
-/** A number with so many significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
+/** A number with at most this number of significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
 export function format(number, digits = 4) {
   if (number === null || number === undefined || Number.isNaN(number)) return '';
   const size = Math.abs(number);
