@@ -73,9 +73,10 @@ fn has_long_name((key, value): (&String, &Value)) -> bool {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
-    /// The references are disconnected, except at the pot that is being set.
+    /// Every pot shows its setting as a share of 100 V, and all other outputs are at 0 V.
     PotSet,
-    /// Integrators are at their initial conditions, and every output is compared with the equations.
+    /// Integrators are at their initial conditions, as in [`Mode::InitialCondition`]. The command `static-check` compares
+    /// every output with the equations.
     ProblemCheck,
     /// Integrators are at their initial conditions.
     InitialCondition,
