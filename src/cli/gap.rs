@@ -23,6 +23,7 @@ use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::report::Report;
 use patchcord::ident::report::check_document::CheckDocument;
 use patchcord::ident::report::progress::{findings_text, phase_text};
+use patchcord::ident::report::reasons::no_run_sentence;
 use patchcord::ident::search::progress::Progress;
 use patchcord::ident::search::{Outcome, SearchSettings, search};
 
@@ -115,11 +116,7 @@ fn search_settings<'a>(arguments: &Arguments, library: &'a Library) -> SearchSet
 
 /// The failure if no starting point gives a run.
 fn no_run_failure(experiment: &Experiment) -> Failure {
-    Failure::data(format!(
-        "{} cannot be run with the data from any of the starting points: check its scales \
-         and the ranges of the fitted parameters, or divide the records with \"pieces\" in the experiment",
-        experiment.patch.file()
-    ))
+    Failure::data(no_run_sentence(experiment.patch.file()))
 }
 
 /// Reports on the data before the slow fit, and then on the weakest detectable effects.
