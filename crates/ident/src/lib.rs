@@ -118,10 +118,12 @@ pub mod statistics;
 
 pub use data::codes;
 pub use data::columns::{RecordColumn, record_columns};
+pub use data::data_columns::{DataColumn, data_columns};
 pub use data::examine::{ColumnStatistics, Noise, NoiseKind, POWER_FRACTIONS, examine};
 pub use data::experiment::{Experiment, MeasuredDrive, MeasuredOutput};
 pub use data::experiment_document::Hold;
 pub use data::experiment_file::ExperimentError;
+pub use data::file_source::GivenFiles;
 pub use data::record::{MIN_RECORD_SAMPLES, Record};
 pub use design::detectability::{Detectability, DetectionLimit, detectable_effects};
 pub use effects::effect_sites::EffectSites;
