@@ -63,8 +63,7 @@ pub fn map<I: Sync, T: Send>(
     work: impl Fn(&I) -> T + Sync,
     mut progress: impl FnMut(u64) + Send,
 ) -> Vec<T> {
-    let Ok(results) =
-        try_map(items, |item| Ok::<T, Infallible>(work(item)), |count, _, _| progress(count));
+    let Ok(results) = try_map(items, |item| Ok::<T, Infallible>(work(item)), |count, _, _| progress(count));
     results
 }
 

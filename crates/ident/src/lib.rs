@@ -87,6 +87,11 @@
 //!   show, without a search.
 //! * Where and when is a force missing, if no effect of the library explains the residual? [`localise()`] estimates it.
 //! * Which effects are tried where? [`EffectSites`] lists them.
+//! * What does the patch do along the records with other values of its parameters? [`simulate()`] runs it without a
+//!   fit.
+//!
+//! A program without files, such as a web page, lists the columns of a data file with [`data_columns()`] and reads the
+//! experiment with [`Experiment::parse_given`]. A search can be cancelled: [`SearchSettings::with_cancel`].
 //!
 //! # Modules
 //!
@@ -132,7 +137,8 @@ pub use fit::base_fit::fit_base;
 pub use fit::fitted_model::FittedModel;
 pub use fit::model::ModelError;
 pub use fit::problem::Problem;
+pub use fit::simulation::{SimulatedRecord, Simulation, simulate};
 pub use localise::{Localisation, localise};
 pub use report::Report;
-pub use search::progress::{Progress, SearchPhase};
+pub use search::progress::{Progress, SearchPhase, TrialResult};
 pub use search::{Outcome, SearchSettings, Verdict, search};

@@ -89,9 +89,8 @@ mod tests {
     /// The columns of a text: name, unit, least and largest number, and whether they rise.
     fn columns(text: &str) -> Vec<(String, Option<String>, [f64; 2], bool)> {
         let columns = data_columns("a.csv", text).unwrap_or_else(|report| panic!("{report}"));
-        let fields = |column: DataColumn| {
-            (column.name, column.unit, [column.least, column.most], column.is_rising)
-        };
+        let fields =
+            |column: DataColumn| (column.name, column.unit, [column.least, column.most], column.is_rising);
         columns.into_iter().map(fields).collect()
     }
 

@@ -95,8 +95,8 @@ impl Experiment {
         Experiment::parse(FileSource::Folder(folder.as_ref()), file, text)
     }
 
-    /// Reads an experiment from a text whose patch and data are in memory. `file` is its name in reports. The checks are
-    /// those of [`Experiment::read`].
+    /// Reads an experiment from a text whose patch and data are in memory. `file` is its name in reports. The checks
+    /// are those of [`Experiment::read`].
     ///
     /// # Errors
     /// If the experiment, the patch or the data have errors. The error contains all of them.
