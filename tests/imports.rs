@@ -132,6 +132,7 @@ const MODULES: [(&str, &[&str]); 11] = [
             "experiment",
             "suggestion",
             "columns",
+            "whole_runs",
             "curves",
             "searching",
             "found",

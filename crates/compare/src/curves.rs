@@ -6,10 +6,11 @@
 use std::ops::Range;
 
 use patchcord_expr::round_significant;
-use patchcord_ident::{Experiment, Problem, Record, SimulatedRecord};
+use patchcord_ident::{Experiment, Problem, Record};
 
 use crate::event::{OutputCurves, RecordCurves};
 use crate::limits::MAX_CURVE_POINTS;
+use crate::whole_runs::Outputs;
 
 /// Digits of values. A picture shows fewer.
 const DIGITS: usize = 5;
@@ -20,7 +21,7 @@ const TIME_DIGITS: usize = 10;
 pub(crate) fn curves(
     experiment: &Experiment,
     problem: &Problem,
-    simulated: &[SimulatedRecord],
+    simulated: &[Outputs],
 ) -> Vec<OutputCurves> {
     let count = experiment.outputs.len();
     (0..count).map(|output| output_curves(experiment, problem, simulated, output)).collect()
@@ -30,13 +31,13 @@ pub(crate) fn curves(
 fn output_curves(
     experiment: &Experiment,
     problem: &Problem,
-    simulated: &[SimulatedRecord],
+    simulated: &[Outputs],
     output: usize,
 ) -> OutputCurves {
     let measured = &experiment.outputs[output];
     let records = || experiment.train.iter().chain(&experiment.validation).zip(simulated);
-    let difference = |(record, simulated): (&Record, &SimulatedRecord)| -> Vec<f64> {
-        let pairs = record.outputs[output].iter().zip(&simulated.outputs[output]);
+    let difference = |(record, simulated): (&Record, &Outputs)| -> Vec<f64> {
+        let pairs = record.outputs[output].iter().zip(&simulated[output]);
         pairs.map(|(datum, value)| datum - value).collect()
     };
     let mut residuals: Vec<Vec<f64>> = records().map(difference).collect();
@@ -47,7 +48,7 @@ fn output_curves(
     let mean_square = mean(residuals.iter().flatten().map(|residual| residual * residual));
     let each = records().zip(&residuals).enumerate();
     let record_curves = each.map(|(index, ((record, simulated), residual))| {
-        let series = [&record.outputs[output], &simulated.outputs[output], residual];
+        let series = [&record.outputs[output], &simulated[output], residual];
         record_curves(record, index >= experiment.train.len(), series)
     });
     OutputCurves {

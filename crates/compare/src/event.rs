@@ -37,6 +37,9 @@ pub enum Event {
     Curves {
         /// The outputs, in the order of the experiment.
         outputs: Vec<OutputCurves>,
+        /// The amplifier that is overloaded first, and what to do; absent if there is none. The curves are those of the
+        /// overloaded machine.
+        overload: Option<String>,
     },
     /// The parameters were fitted.
     Fitted {

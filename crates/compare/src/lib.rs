@@ -5,7 +5,7 @@
 //! a [`Comparison`] and sends its responses back. docs/panel-protocol.md documents both.
 //!
 //! [`command`] and [`event`] are the protocol. `columns` lists what a user can select, and `suggestion` suggests an
-//! experiment. `curves` makes the curves of a simulation. `searching` reports the progress of a search, and `found` its
+//! experiment. `whole_runs` simulates, and `curves` makes the curves. `searching` reports the progress of a search, and `found` its
 //! outcome.
 
 #![forbid(unsafe_code)]
@@ -21,5 +21,6 @@ mod message;
 mod searching;
 mod session;
 mod suggestion;
+mod whole_runs;
 
 pub use session::{Comparison, ComparisonOptions};

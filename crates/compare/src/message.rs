@@ -3,7 +3,8 @@
 //! A page has no terminal, so every finding is one line: the message, its place in words, and the advice.
 
 use patchcord_core::document::{Diagnostic, Report, format_number};
-use patchcord_ident::{ExperimentError, ModelError, Record, SimulatedRecord};
+use patchcord_core::trace::Overload;
+use patchcord_ident::{ExperimentError, ModelError, Record};
 
 use crate::limits::MAX_FINDINGS;
 
@@ -50,21 +51,17 @@ pub(crate) fn model_message(error: &ModelError) -> String {
     }
 }
 
-/// Why a simulated record must not be compared. None if it is complete and no amplifier is overloaded.
-pub(crate) fn run_message(record: &Record, simulated: &SimulatedRecord) -> Option<String> {
-    if let Some(overload) = &simulated.overload {
-        let demand = overload.peak().map(|peak| format!(" with a demanded output of {} V", format_number(peak)));
-        let demand = demand.unwrap_or_default();
-        return Some(format!(
-            "with {}, the amplifier {} overloads at t = {} s{demand}: turn the parameters back, or change its scale \
-             so that one volt represents more",
-            record.name,
-            overload.element,
-            format_number(record.begin + overload.time)
-        ));
-    }
-    let stopped = simulated.stopped.as_ref()?;
-    Some(format!("with {}, the run stops: {stopped}", record.name))
+/// The message about an amplifier that is overloaded in a run along a record.
+pub(crate) fn overload_message(record: &Record, overload: &Overload) -> String {
+    let demand = overload.peak().map(|peak| format!(" with a demanded output of {} V", format_number(peak)));
+    format!(
+        "with {}, the amplifier {} overloads at t = {} s{}: turn the parameters back, or change its scale so that \
+         one volt represents more",
+        record.name,
+        overload.element,
+        format_number(record.begin + overload.time),
+        demand.unwrap_or_default()
+    )
 }
 
 /// The findings of a report, a text each: message, place, advice. If there are too many, the last text counts them.

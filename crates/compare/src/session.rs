@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use patchcord_core::document::parameter_in_si;
 use patchcord_core::patch::{Patch, TableAccess};
 use patchcord_ident::report::reasons::no_run_sentence;
-use patchcord_ident::{Experiment, Library, Problem, Simulation, fit_base};
+use patchcord_ident::{Experiment, Library, Problem, fit_base};
 use serde_json::{Map, Value};
 
 use crate::columns::columns_event;
@@ -18,8 +18,9 @@ use crate::event::{Event, Response};
 use crate::experiment::{base_name, experiment_text, read_experiment};
 use crate::found::found;
 use crate::limits::{MAX_COMMANDS, MAX_REQUEST_BYTES, check_data, check_patch, check_patch_text};
-use crate::message::{experiment_texts, model_message, patch_message, run_message};
+use crate::message::{experiment_texts, model_message, patch_message};
 use crate::searching::{SearchRun, run_search};
+use crate::whole_runs::WholeRuns;
 
 /// Seed of the random starts of fits, unless the client gives one.
 const SEED: u64 = 1;
@@ -72,7 +73,7 @@ struct Compared {
     /// The noise of its data, and the steps of the solver.
     problem: Problem,
     /// The patch, compiled for the records.
-    simulation: Simulation,
+    runs: WholeRuns,
 }
 
 impl Comparison {
@@ -287,22 +288,18 @@ impl Compared {
     /// The message if its patch cannot be run along the records.
     fn new(experiment: Experiment) -> Result<Compared, String> {
         let problem = Problem::of(&experiment).map_err(|error| model_message(&error))?;
-        let simulation = Simulation::new(&experiment, &problem).map_err(|error| model_message(&error))?;
-        Ok(Compared { experiment, problem, simulation })
+        let runs = WholeRuns::new(&experiment, &problem).map_err(|error| model_message(&error))?;
+        Ok(Compared { experiment, problem, runs })
     }
 
     /// The event with the curves of the patch with these values of parameters.
     ///
     /// # Errors
-    /// The message if a run fails or overloads an amplifier.
+    /// The message if a run fails.
     fn curves_event(&self, values: &BTreeMap<String, f64>) -> Result<Event, String> {
         let values: Vec<(String, f64)> = values.iter().map(|(name, value)| (name.clone(), *value)).collect();
-        let simulated = self.simulation.run(&values).map_err(|error| model_message(&error))?;
-        let records = self.experiment.train.iter().chain(&self.experiment.validation);
-        match records.zip(&simulated).find_map(|(record, simulated)| run_message(record, simulated)) {
-            Some(message) => Err(message),
-            None => Ok(Event::Curves { outputs: curves(&self.experiment, &self.problem, &simulated) }),
-        }
+        let (simulated, overload) = self.runs.simulate(&values)?;
+        Ok(Event::Curves { outputs: curves(&self.experiment, &self.problem, &simulated), overload })
     }
 }
 
