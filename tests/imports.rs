@@ -10,19 +10,8 @@ use crate::docs::sources;
 
 /// The crates in order. Each may depend on earlier ones, except that [`INDEPENDENT`] crates do not depend on each
 /// other.
-const CRATES: [&str; 11] = [
-    "expr",
-    "core",
-    "equations",
-    "analysis",
-    "draw",
-    "ident",
-    "compare",
-    "panel",
-    "server",
-    "thesis",
-    "web",
-];
+const CRATES: [&str; 11] =
+    ["expr", "core", "equations", "analysis", "draw", "ident", "compare", "panel", "server", "thesis", "web"];
 /// Crates that do not depend on each other.
 const INDEPENDENT: [&str; 2] = ["ident", "thesis"];
 

@@ -18,11 +18,7 @@ const DIGITS: usize = 5;
 const TIME_DIGITS: usize = 10;
 
 /// The curves of all outputs. `simulated` has one entry for each record: training, then validation.
-pub(crate) fn curves(
-    experiment: &Experiment,
-    problem: &Problem,
-    simulated: &[Outputs],
-) -> Vec<OutputCurves> {
+pub(crate) fn curves(experiment: &Experiment, problem: &Problem, simulated: &[Outputs]) -> Vec<OutputCurves> {
     let count = experiment.outputs.len();
     (0..count).map(|output| output_curves(experiment, problem, simulated, output)).collect()
 }
@@ -64,8 +60,7 @@ fn output_curves(
 /// The curves of an output in a record. `series` are the data, the simulation and the residual.
 fn record_curves(record: &Record, test: bool, series: [&Vec<f64>; 3]) -> RecordCurves {
     let count = record.len();
-    let time =
-        |sample: usize| round_significant(record.begin + sample as f64 * record.interval, TIME_DIGITS);
+    let time = |sample: usize| round_significant(record.begin + sample as f64 * record.interval, TIME_DIGITS);
     let (curves, time): ([Vec<f64>; 3], Vec<f64>) = if count <= MAX_CURVE_POINTS {
         let all = series.map(|samples| samples.iter().copied().map(rounded).collect());
         (all, (0..count).map(time).collect())

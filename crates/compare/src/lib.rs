@@ -5,8 +5,8 @@
 //! a [`Comparison`] and sends its responses back. docs/panel-protocol.md documents both.
 //!
 //! [`command`] and [`event`] are the protocol. `columns` lists what a user can select, and `suggestion` suggests an
-//! experiment. `whole_runs` simulates, and `curves` makes the curves. `searching` reports the progress of a search, and `found` its
-//! outcome.
+//! experiment. `whole_runs` simulates, and `curves` makes the curves. `searching` reports the progress of a search, and
+//! `found` its outcome.
 
 #![forbid(unsafe_code)]
 

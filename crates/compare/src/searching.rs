@@ -126,7 +126,8 @@ impl ProgressLog {
         let has_progress = view.done >= known.done + step;
         let is_complete = view.done > known.done && view.done == view.total;
         // Everything but the count and the rejected candidates.
-        let without_count = |view: &ProgressView| ProgressView { done: 0, rejected: Vec::new(), ..view.clone() };
+        let without_count =
+            |view: &ProgressView| ProgressView { done: 0, rejected: Vec::new(), ..view.clone() };
         has_progress || is_complete || without_count(known) != without_count(view)
     }
 }

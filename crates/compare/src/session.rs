@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use patchcord_core::circuit::Circuit;
 use patchcord_core::document::parameter_in_si;
 use patchcord_core::patch::{Patch, TableAccess};
 use patchcord_ident::report::reasons::no_run_sentence;
@@ -33,8 +34,8 @@ pub struct ComparisonOptions {
     pub folder: Option<PathBuf>,
     /// Number of threads of a search; that of the cores if absent.
     pub threads: Option<usize>,
-    /// If it is true, a search ends soon, and the next one does not begin. The host sets it when its client is gone or
-    /// does not need the result.
+    /// If it is true, a search ends soon, and the next one does not begin. The host sets it when its client closes the
+    /// connection.
     pub cancel: Arc<AtomicBool>,
 }
 
@@ -170,6 +171,7 @@ impl Comparison {
         let patch = Patch::parse_with(access, &patch.name, &patch.text);
         let patch = patch.map_err(|report| patch_message(&report))?;
         check_patch(&patch)?;
+        Circuit::new(&patch).map_err(|report| patch_message(&report))?;
         Ok(patch)
     }
 
@@ -336,8 +338,7 @@ fn no_data() -> String {
 /// # Errors
 /// The message if the patch has no such parameter, or if the value is outside its range.
 fn check_parameter(patch: &Patch, name: &str, value: f64) -> Result<(), String> {
-    let parameter =
-        patch.parameters.get(name).ok_or_else(|| format!("the patch has no parameter {name}"))?;
+    let parameter = patch.parameters.get(name).ok_or_else(|| format!("the patch has no parameter {name}"))?;
     let unit = (parameter.unit.text(), parameter.unit.factor());
     parameter_in_si(name, value, unit, parameter.range).map(|_| ()).map_err(|error| error.to_string())
 }

@@ -51,9 +51,8 @@ pub(crate) fn targets(circuit: &Circuit) -> Vec<Target> {
     // The signals of the patch are first.
     let all = circuit.signals();
     let named = if patch.signals.is_empty() { all } else { &all[..patch.signals.len().min(all.len())] };
-    let signals = named.iter().filter(|signal| {
-        !patch.signals.is_empty() || !patch.drives.contains_key(&signal.name)
-    });
+    let signals =
+        named.iter().filter(|signal| !patch.signals.is_empty() || !patch.drives.contains_key(&signal.name));
     drives.chain(signals.filter_map(|signal| target(&signal.name, signal.scale, false))).collect()
 }
 
@@ -80,7 +79,8 @@ pub(crate) fn suggest(columns: &[DataColumn], targets: &[Target]) -> Suggestion 
         ),
     }
     if outputs.is_empty() {
-        let note = "no column has the name or the dimension of a signal: select the column of each measured signal";
+        let note =
+            "no column has the name or the dimension of a signal: select the column of each measured signal";
         suggestion.notes.push(note.to_owned());
     }
     if !drives.is_empty() {
@@ -109,15 +109,15 @@ fn roles(columns: &[DataColumn], targets: &[Target], time: Option<usize>) -> Vec
     };
     let names: [fn(&str) -> String; 3] = [str::to_owned, str::to_lowercase, bare_name];
     for name in names {
-        for column in 0..columns.len() {
-            let is_same = |(index, target): &(usize, &Target)| {
-                !roles.contains(&Some(*index))
-                    && name(&target.name) == name(&columns[column].name)
-                    && dimension(&columns[column]).is_none_or(|unit| unit == target.unit.dimension())
+        for (index, column) in columns.iter().enumerate() {
+            let is_same = |(target_index, target): &(usize, &Target)| {
+                !roles.contains(&Some(*target_index))
+                    && name(&target.name) == name(&column.name)
+                    && dimension(column).is_none_or(|unit| unit == target.unit.dimension())
             };
-            if is_free(&roles, column) {
-                let found = targets.iter().enumerate().find(is_same).map(|(index, _)| index);
-                roles[column] = found;
+            if is_free(&roles, index) {
+                let found = targets.iter().enumerate().find(is_same).map(|(target_index, _)| target_index);
+                roles[index] = found;
             }
         }
     }

@@ -77,8 +77,8 @@ fn joined(records: &[&Record]) -> (Vec<Record>, Vec<(usize, Range<usize>)>) {
     let mut places = vec![(0, 0..0); records.len()];
     for index in order {
         let record = records[index];
-        let mut gaps = runs.iter().enumerate().filter_map(|(run, whole)| Some((run, gap(whole, record)?)));
-        let run = match gaps.next() {
+        let before = runs.iter().enumerate().find_map(|(run, whole)| Some((run, gap(whole, record)?)));
+        let run = match before {
             Some((run, missing)) => {
                 append(&mut runs[run], record, missing);
                 run
