@@ -136,7 +136,7 @@ impl ProgressLog {
 mod tests {
     use super::*;
 
-    /// Progress in a round of so many trials.
+    /// Progress in round 1: `done` trials of `total` in a phase.
     fn progress(phase: &str, done: u64, total: u64, best: Option<&str>) -> ProgressView {
         ProgressView {
             round: 1,

@@ -92,7 +92,7 @@ impl Comparison {
             Err(message) => return response(None, vec![Event::Refused { message }], false),
         };
         let id = Some(request.id);
-        let mut partial = |event| report(&response(id, vec![event], true));
+        let mut partial = |event: Event| report(&response(id, vec![event], true));
         let mut events = Vec::new();
         for command in request.commands {
             if let Err(message) = self.carry_out(command, &mut partial, &mut events) {
