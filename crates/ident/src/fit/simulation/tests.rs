@@ -104,3 +104,15 @@ fn an_unknown_parameter_or_a_value_outside_its_range_is_an_error() {
     assert_eq!(message("k", 1000.0), "k = 1000 is outside its range 1 ... 100");
     assert!(message("stiffness", 40.0).contains("stiffness"));
 }
+
+/// With 0.4 kg and 0.6 N s/m the table reaches 1 m/s, which is 100 V, at 0.227 s by an independent integration.
+#[test]
+fn the_first_overload_has_its_amplifier_and_its_time() {
+    let path = "../../examples/05_missing_effect/slide.experiment.json";
+    let experiment = Experiment::read(path).unwrap_or_else(|error| panic!("{error}"));
+    let simulated = simulate(&experiment, &[]).unwrap();
+    let overload = simulated[0].overload.as_ref().unwrap();
+    assert_eq!((overload.element.as_str(), &simulated[0].stopped), ("A1", &None));
+    assert!((overload.time - 0.227).abs() < 0.005, "{overload:?}");
+    assert!(simulate(&spring(), &[]).unwrap().iter().all(|record| record.overload.is_none()));
+}
