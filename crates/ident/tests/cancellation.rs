@@ -65,12 +65,13 @@ fn every_trial_is_reported_with_its_residual() {
     let (outcome, reports) = search_with_flag(&library, false, |_| false);
     let outcome = outcome.unwrap().unwrap();
     assert_eq!(outcome.verdict.as_str(), "named");
-    let of_phase = |phase| reports.iter().filter(move |report| report.round == 1 && report.phase == phase);
+    let of_phase =
+        |phase: SearchPhase| reports.iter().filter(move |report| report.round == 1 && report.phase == phase);
     assert!(reports.iter().all(|report| report.trial.is_some() == (report.done > 0)), "{reports:?}");
     // A round may be repeated. It reports its beginning and every trial.
     assert_eq!(of_phase(SearchPhase::Quick).count() as u64 % (1 + reports[1].total), 0);
     // The residual of a trial decreases from the quick fit to the full one.
-    let smallest = |phase| {
+    let smallest = |phase: SearchPhase| {
         let trials = of_phase(phase).filter_map(|report| report.trial.as_ref());
         let fitted =
             trials.filter_map(|TrialResult { effect, residual_rms, .. }| Some((effect, (*residual_rms)?)));
