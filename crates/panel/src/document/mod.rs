@@ -4,12 +4,13 @@
 //! value outside its range, a second cord in a jack for one. Wrong wiring is allowed, and the checker reports it at the
 //! jack. After every edit the text is read again, so that all positions of the patch are positions in its text.
 //!
-//! `cords`, `elements` and `settings` make the edits, `history` keeps the steps and `snapshot` saves them.
+//! `cords`, `elements`, `settings` and `replacement` make the edits, `history` keeps the steps and `snapshot` saves them.
 
 mod cords;
 mod elements;
 mod history;
 mod kinds;
+mod replacement;
 mod settings;
 mod snapshot;
 
@@ -189,6 +190,7 @@ impl Document {
     /// As for [`Document::apply`].
     pub(crate) fn edited(&self, command: &Command) -> Result<Edited, Refusal> {
         match command {
+            Command::Replace { text } => replacement::replace(self, text),
             Command::Parameter { name, value } => settings::parameter(self, name, *value),
             Command::Setting { element, setting, value } => settings::setting(self, element, setting, value),
             Command::TimeScale { value } => settings::time_scale(self, *value),
@@ -201,6 +203,7 @@ impl Document {
                 cords::put_loose(self, end, *at, replaces.as_ref().map(CordEnds::of))
             }
             Command::PlugLoose { id, to } => cords::plug_loose(self, *id, to),
+            Command::MoveLoose { id, at } => cords::move_loose(self, *id, *at),
             Command::RemoveLoose { id } => cords::remove_loose(self, *id),
             Command::ClearCords => cords::clear(self),
             Command::AddElement { kind, name } => elements::add(self, kind, name.as_deref()),
