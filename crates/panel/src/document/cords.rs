@@ -1,5 +1,7 @@
 //! Edits of cords: those of the patch, and those with a loose end.
 
+use std::collections::{HashMap, HashSet};
+
 use patchcord_core::document::suggestion;
 use patchcord_core::patch::Patch;
 
@@ -270,6 +272,18 @@ fn check_jack(patch: &Patch, cord: CordEnds<'_>, pulled: Option<CordEnds<'_>>) -
         return Err(Refusal::new(message).at(cord.place()));
     }
     Ok(())
+}
+
+/// Notes for each element that loses the last cord of a jack which jack that is. The text no longer has such a jack.
+pub(super) fn note_pulled(before: &Patch, after: &Patch, pulled: &mut HashMap<String, String>) {
+    pulled.retain(|element, _| after.elements.contains_key(element));
+    for element in after.elements.keys() {
+        let jacks: HashSet<&str> = after.written_cords(element).map(|(jack, _)| jack).collect();
+        let mut emptied = before.written_cords(element).filter(|(jack, _)| !jacks.contains(jack));
+        if let Some((jack, _)) = emptied.next() {
+            pulled.insert(element.clone(), jack.to_owned());
+        }
+    }
 }
 
 /// How many cords a jack takes: `Some(None)` for any number, `None` if there is no such jack.
