@@ -37,7 +37,7 @@ fn panel_hint(code: Code, patch: &Patch, hint: &str) -> Option<String> {
     match code {
         Code::NO_DRIVER => {
             let purpose = hint.find(" (purpose: ").map_or("", |start| &hint[start..]);
-            Some(format!("plug a cord in, from an output or, for 0 V, from ground{purpose}"))
+            Some(format!("plug a cord in: from an output, or from ground for 0 V{purpose}"))
         }
         Code::MISSING_KEY if patch.elements.is_empty() && patch.drives.is_empty() => {
             Some("add an element".to_owned())

@@ -60,7 +60,9 @@ fn a_missing_cord_is_reported_at_its_jack() {
     let finding = &found(&document, Code::NO_DRIVER)[0];
     assert_eq!(finding.place, Some(jack("M1", "b", None)));
     assert_eq!((finding.severity.as_str(), finding.line), ("error", Some(33)));
-    assert_eq!(finding.hint, "plug a cord in, from an output or, for 0 V, from ground (purpose: second factor)");
+    let hint =
+        "plug a cord in: from an output, or from ground for 0 V (purpose: second voltage (or \"ground\"))";
+    assert_eq!(finding.hint, hint);
     document.undo().unwrap();
     // The text no longer has the jack x10, but it is empty at the panel.
     document.apply(&unplug("A1", "x10", "P1")).unwrap();
