@@ -96,7 +96,7 @@ pub(super) fn table(session: &Session) -> Result<Event, Refusal> {
     // The command makes these checks. They evaluate further instants, and the last digits of a loop's solution
     // depend on the solution before it.
     (settings.checks_steps, settings.finds_amplifier_peaks) = (true, true);
-    limits::check_run(&settings).map_err(Refusal::new)?;
+    limits::check_run(&settings, compiled.circuit.elements().len()).map_err(Refusal::new)?;
     let trace =
         run(&compiled.program, &settings).map_err(|stopped| Refusal::new(stopped.error.to_string()))?;
     let mut csv = Vec::new();
