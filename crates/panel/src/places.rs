@@ -34,16 +34,12 @@ pub fn findings(report: &Report, patch: &Patch, pulled: &HashMap<String, String>
 
 /// What to do at the panel about a finding whose hint says what to write. `None` if the hint is also right at the panel.
 fn panel_hint(code: Code, patch: &Patch, hint: &str) -> Option<String> {
-    match code {
-        Code::NO_DRIVER => {
-            let purpose = hint.find(" (purpose: ").map_or("", |start| &hint[start..]);
-            Some(format!("plug a cord in: from an output, or from ground for 0 V{purpose}"))
-        }
-        Code::MISSING_KEY if patch.elements.is_empty() && patch.drives.is_empty() => {
-            Some("add an element".to_owned())
-        }
-        _ => None,
+    if code == Code::NO_DRIVER {
+        let purpose = hint.find(" (purpose: ").map_or("", |start| &hint[start..]);
+        return Some(format!("plug a cord in: from an output, or from ground for 0 V{purpose}"));
     }
+    let is_empty = patch.elements.is_empty() && patch.drives.is_empty();
+    (code == Code::MISSING_KEY && is_empty).then(|| "add an element".to_owned())
 }
 
 /// The place of a diagnostic. `None` if it is about the whole patch, a scale, a signal or the run.
