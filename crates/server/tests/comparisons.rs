@@ -17,8 +17,8 @@ const DATA: &str = include_str!("../../../examples/05_missing_effect/measured.cs
 /// The address of comparisons.
 const COMPARE: &str = "/compare";
 
-/// Rows of data with which a search takes from half a minute to minutes.
-const MANY_ROWS: u32 = 30_000;
+/// Rows of data with which a search takes about a minute.
+const MANY_ROWS: u32 = 20_000;
 
 /// The longest time until a closed comparison is free again, which is shorter than a search with [`MANY_ROWS`].
 const FREEING_TIME: Duration = Duration::from_secs(10);
@@ -39,7 +39,7 @@ fn event(socket: &mut WebSocket<TcpStream>, command: &Value, name: &str) -> Valu
 /// The outputs of a spring with viscous friction: x'' = -16 x - 0.8 x', released at 50 mm, with a disturbance of at most
 /// 0.3 mm.
 fn many_rows() -> String {
-    let row = |index| {
+    let row = |index: u32| {
         let t = 8.0 * f64::from(index) / f64::from(MANY_ROWS);
         let disturbance = 0.3 * f64::from(index * index % 997).sin();
         format!("{t},{}\n", 50.0 * (-0.4 * t).exp() * (15.84_f64.sqrt() * t).cos() + disturbance)
