@@ -43,7 +43,7 @@ async fn answer_all(
     worker: &mut Worker,
     service: &Service,
 ) -> Result<Infallible, Ending> {
-    let mut ahead = VecDeque::new();
+    let mut ahead: VecDeque<String> = VecDeque::new();
     loop {
         let Some(request) = ahead.pop_front() else {
             let arrived = timeout(service.silence, socket.recv()).await;

@@ -36,8 +36,7 @@ fn event(socket: &mut WebSocket<TcpStream>, command: &Value, name: &str) -> Valu
     found.unwrap_or_else(|| panic!("no {name} in {answer}")).clone()
 }
 
-/// The outputs of a spring with viscous friction: x'' = -16 x - 0.8 x', released at 50 mm, with a disturbance of at most
-/// 0.3 mm.
+/// The position of a mass on a spring with viscous friction, x'' = -16 x - 0.8 x', with a disturbance of at most 0.3 mm.
 fn many_rows() -> String {
     let row = |index: u32| {
         let t = 8.0 * f64::from(index) / f64::from(MANY_ROWS);
@@ -47,18 +46,16 @@ fn many_rows() -> String {
     (0..MANY_ROWS).map(row).fold("# t: s\n# x: mm\nt,x\n".to_owned(), |text, row| text + &row)
 }
 
-/// A comparison with data that show a missing effect.
-fn open_with_data(server: &Running, data: &str) -> WebSocket<TcpStream> {
-    let mut socket = server.open_at(COMPARE);
+/// Compares the patch with data.
+fn compare_with(socket: &mut WebSocket<TcpStream>, data: &str) {
     let begin = json!({
         "command": "begin",
         "patch": {"name": "spring.json", "text": PATCH},
         "data": {"name": "measured.csv", "text": data},
     });
-    event(&mut socket, &begin, "columns");
+    event(socket, &begin, "columns");
     let compare = json!({"command": "compare", "experiment": {"outputs": {"x": "x"}, "fit": ["k"]}});
-    event(&mut socket, &compare, "curves");
-    socket
+    event(socket, &compare, "curves");
 }
 
 /// The next response of a search.
@@ -106,7 +103,8 @@ fn a_comparison_beyond_the_limit_is_refused_with_a_reason() {
 fn a_search_reports_its_progress_before_its_outcome() {
     // A page that waits for a search sends nothing for longer than a silent one may stay.
     let server = start_with(Limits { silence: Duration::from_secs(1), ..Limits::default() });
-    let mut socket = open_with_data(&server, DATA);
+    let mut socket = server.open_at(COMPARE);
+    compare_with(&mut socket, DATA);
     socket.send(Message::text(request(8, &search()))).unwrap();
     let mut partial = 0;
     let last = loop {
@@ -126,25 +124,26 @@ fn a_search_reports_its_progress_before_its_outcome() {
     assert!(ask(&mut socket, NOTHING).is_ok());
 }
 
-/// Whether the only place is free, once the thread of the closed comparison has ended.
-fn is_free(server: &Running) -> bool {
+/// A comparison in the only place, which becomes free when the thread of the closed one ends.
+fn open_when_free(server: &Running) -> WebSocket<TcpStream> {
     let deadline = Instant::now() + FREEING_TIME;
-    while Instant::now() < deadline {
-        if ask(&mut server.open_at(COMPARE), NOTHING).is_ok() {
-            return true;
+    loop {
+        let mut socket = server.open_at(COMPARE);
+        if ask(&mut socket, NOTHING).is_ok() {
+            return socket;
         }
+        assert!(Instant::now() < deadline, "the comparison is not freed");
         std::thread::sleep(Duration::from_millis(20));
     }
-    false
 }
 
 #[test]
 fn a_search_ends_when_its_page_closes_the_connection() {
     let server = start_with(Limits { comparisons: 1, ..Limits::default() });
-    let data = many_rows();
+    let (data, mut socket) = (many_rows(), server.open_at(COMPARE));
     // A page that closes properly, one that vanishes, and one that does not wait for its other requests.
     for (is_closed, further) in [(true, 0), (false, 0), (false, 5)] {
-        let mut socket = open_with_data(&server, &data);
+        compare_with(&mut socket, &data);
         socket.send(Message::text(request(8, &search()))).unwrap();
         for _ in 0..further {
             socket.send(Message::text(NOTHING)).unwrap();
@@ -152,10 +151,9 @@ fn a_search_ends_when_its_page_closes_the_connection() {
         assert_eq!(response(&mut socket)["partial"], true);
         if is_closed {
             socket.close(None).unwrap();
-        } else {
-            drop(socket);
         }
-        assert!(is_free(&server), "{is_closed} {further}");
+        drop(socket);
+        socket = open_when_free(&server);
     }
 }
 
@@ -182,7 +180,8 @@ fn a_message_to_a_comparison_has_a_limit_of_its_own() {
 fn a_server_does_not_wait_for_comparisons() {
     let limits = Limits { reload: Duration::from_millis(200), ..Limits::default() };
     let server = start(Options { stops_when_closed: true, limits, ..options() });
-    let mut comparison = open_with_data(&server, &many_rows());
+    let mut comparison = server.open_at(COMPARE);
+    compare_with(&mut comparison, &many_rows());
     comparison.send(Message::text(request(8, &search()))).unwrap();
     assert_eq!(response(&mut comparison)["partial"], true);
     let mut session = server.open();
