@@ -2,12 +2,13 @@
  * The way to the session: a server behind a WebSocket or an engine in a Worker. Both answer requests in order.
  *
  * @typedef {{text: string, frame: ArrayBuffer | null}} Answer
- * @typedef {{kind: 'server' | 'worker', patch?: string | null, request: (text: string) => Promise<Answer>,
- *   lost: Promise<string>}} Link  `patch` is the name of the patch that the host opens first; `lost` resolves with a
- *   message when the host no longer answers.
+ * @typedef {{kind: 'server' | 'worker', patch?: string | null, text?: string, request: (text: string) => Promise<Answer>,
+ *   lost: Promise<string>}} Link  `patch` is the name of the patch that the host opens first, and `text` its text if it is
+ *   in host.json; `lost` resolves with a message when the host no longer answers.
  */
 
 import { stored } from './dom.js';
+import { addressOf, isInside, read } from './resources.js';
 
 /**
  * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
@@ -66,9 +67,9 @@ function connectServer() {
   });
 }
 
-/** @returns {Link} */
-function connectWorker() {
-  const worker = new Worker('worker/engine.js', { type: 'module' });
+/** @returns {Promise<Link>} */
+async function connectWorker() {
+  const worker = new Worker(addressOf('worker/engine.js', 'text/javascript'), { type: 'module' });
   let id = 0;
   const { link, answer, close } = linkOf('worker', (text) => {
     id += 1;
@@ -83,14 +84,16 @@ function connectWorker() {
     else answer(data.text, data.frame);
   };
   worker.onerror = (event) => fail(event.message || 'The engine could not be loaded. Load the page again.');
+  // Without this message, the Worker fetches its module.
+  if (isInside('engine.wasm')) worker.postMessage({ module: await (await read('engine.wasm')).arrayBuffer() });
   return link;
 }
 
 /** Connects to the host that host.json names. @returns {Promise<Link>} */
 export async function connect() {
   token();
-  const answer = await fetch('host.json');
+  const answer = await read('host.json');
   if (!answer.ok) throw new Error('The file host.json is missing next to the page.');
-  const { host, patch } = await answer.json();
-  return { ...await (host === 'server' ? connectServer() : connectWorker()), patch };
+  const { host, patch, text } = await answer.json();
+  return { ...await (host === 'server' ? connectServer() : connectWorker()), patch, text };
 }

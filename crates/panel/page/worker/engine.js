@@ -1,6 +1,7 @@
 /**
  * The engine in a Worker: a session in WebAssembly. A message `{id, text}` is a request, and its answer is
- * `{id, text, frame}` or `{id, failed}`. After a failure, every request fails.
+ * `{id, text, frame}` or `{id, failed}`. After a failure, every request fails. A first message `{module}` has the bytes of
+ * the module; without it, the module is fetched.
  */
 
 /** What a panic of the engine said. */
@@ -9,19 +10,22 @@ let panic = '';
 /** Why there is no engine; empty while there is one. */
 let failed = '';
 
-/** The functions of the engine that JavaScript calls, and its memory. */
-const engine = load();
+/** The functions of the engine that JavaScript calls, and its memory; null before the first message. */
+let engine = null;
 
-async function load() {
+async function fetchModule() {
   const file = new URL('../engine.wasm', import.meta.url);
   const response = await fetch(file);
   if (!response.ok) throw new Error(`The file engine.wasm is missing next to the page (${response.status}).`);
   // Some web servers do not know the type of WebAssembly, and browsers compile no other type as it arrives.
   const isKnown = response.headers.get('content-type') === 'application/wasm';
-  const imports = { host: { now: () => performance.now(), fail } };
-  const { instance } = isKnown
-    ? await WebAssembly.instantiateStreaming(response, imports)
-    : await WebAssembly.instantiate(await response.arrayBuffer(), imports);
+  return isKnown ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
+}
+
+/** @param {ArrayBuffer | undefined} bytes */
+async function load(bytes) {
+  const module = await (bytes ? WebAssembly.compile(bytes) : fetchModule());
+  const instance = await WebAssembly.instantiate(module, { host: { now: () => performance.now(), fail } });
   /** The engine calls this with the message of a panic. It then stops. */
   function fail(pointer, length) {
     panic = new TextDecoder().decode(new Uint8Array(instance.exports.memory.buffer, pointer, length));
@@ -44,7 +48,9 @@ function request(exports, text) {
   };
 }
 
-globalThis.onmessage = async ({ data: { id, text } }) => {
+globalThis.onmessage = async ({ data: { id, text, module } }) => {
+  engine ??= load(module);
+  if (module) return;
   try {
     const exports = await engine;
     if (failed) throw new Error(failed);
