@@ -171,6 +171,7 @@ pub const PAGES: &[Page] = pages![
     "js/meters.js",
     "js/patching.js",
     "js/probes.js",
+    "js/resources.js",
     "js/schematic.js",
     "js/scope-controls.js",
     "js/scope-export.js",
