@@ -16,8 +16,8 @@ from urllib.parse import quote
 
 HERE = Path(__file__).resolve().parent
 NAME = "patchcord.html"
-# These are parts of the document itself, or of no use in it.
-INLINE = re.compile(r"index\.html|patchcord\.html|icon\.svg|css/.*|js/theme\.js|LICENSE.*|THIRD-PARTY-LICENSES")
+# The page itself, and what is in its text in another form.
+INLINE = re.compile(r"index\.html|patchcord\.html|css/.*|js/theme\.js")
 
 
 def element(path, text, attributes=""):

@@ -71,7 +71,7 @@ fn page_file(site: Option<&Path>) -> Result<PathBuf, Failure> {
     }
     let folders: Vec<String> = folders.iter().map(|folder| path_text(folder)).collect();
     Err(Failure::usage(format!(
-        "{ONE_FILE} is not in {}: make the folder with crates/web/build-site, or give another one: --site FOLDER",
+        "{ONE_FILE} is not in {}: make the folder with crates/web/build-site, or name another one with --site",
         folders.join(" or ")
     )))
 }
@@ -101,7 +101,7 @@ fn text_with_tables(
     if text.len() > MAX_PATCH_BYTES {
         let limit = MAX_PATCH_BYTES / 1_000_000;
         return Err(Failure::data(format!(
-            "with the points of its tables the patch is larger than {limit} MB, and the panel does not open it"
+            "the patch with the points of its tables is larger than {limit} MB, too large for the panel"
         )));
     }
     Ok((text, tables))
