@@ -39,7 +39,7 @@ pub(super) fn export(export: &Export<'_>) -> Result<(), Failure> {
     if let Some((path, given)) = &export.patch {
         let (text, tables) = text_with_tables(path, given, &export.folder)?;
         // Standard input may be a file.
-        let file = if is_dash(path) { Path::new("/dev/stdin") } else { path };
+        let file = if is_dash(path) { Path::new("/dev/stdin") } else { *path };
         outputs = outputs.reading("the patch", [file]).reading("a table of the patch", tables);
         page = with_patch(&page, &given.name, &text).ok_or_else(|| no_place(&source))?;
     }
