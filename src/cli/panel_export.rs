@@ -1,7 +1,7 @@
 //! `patchcord panel --export`: the panel with a patch as one file.
 //!
-//! The command has no WebAssembly. So it takes the page from the folder that `crates/web/build-site` makes, and puts the
-//! patch into it.
+//! The command has no WebAssembly. So it takes the page from the folder that `crates/web/build-site` makes, and puts
+//! the patch into it.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ fn page_file(site: Option<&Path>) -> Result<PathBuf, Failure> {
     }
     let folders: Vec<String> = folders.iter().map(|folder| path_text(folder)).collect();
     Err(Failure::usage(format!(
-        "{ONE_FILE} is not in {}: make the folder with crates/web/build-site, or name another one with --site",
+        "{ONE_FILE} is not in {}: make the folder with crates/web/build-site, or name another with --site",
         folders.join(" or ")
     )))
 }

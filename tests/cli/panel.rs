@@ -160,7 +160,8 @@ fn tables_of_an_exported_patch_are_in_its_text() {
 
     let row = |index: usize| format!("{index},{}\n", 0.5 + 1.0 / (index + 3) as f64);
     fs::write(&table, format!("t,u\n{}", (0..60_000).map(row).collect::<String>())).unwrap();
-    let message = "error: the patch with the points of its tables is larger than 1 MB, too large for the panel\n";
+    let message =
+        "error: the patch with the points of its tables is larger than 1 MB, too large for the panel\n";
     let ran = export();
     assert_eq!((code(&ran), errors(&ran).as_str()), (1, message));
     assert_eq!(fs::read_to_string(&file).unwrap(), page, "the file stays as it was");
@@ -181,8 +182,8 @@ fn a_page_that_cannot_be_exported_is_an_error() {
     assert_eq!(export(&file, &site), (1, other));
     let empty = path(&folder, "empty");
     let missing = format!(
-        "error: patchcord.html is not in {empty}: make the folder with crates/web/build-site, or name another \
-         one with --site\n"
+        "error: patchcord.html is not in {empty}: make the folder with crates/web/build-site, or name \
+         another with --site\n"
     );
     assert_eq!(export(&file, &empty), (2, missing));
     let name = format!("error: the name of a page must end in .html, such as {patch}.html\n");
