@@ -87,8 +87,8 @@ const MODULES: [(&str, &[&str]); 10] = [
     (
         "panel",
         &[
-            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches",
-            "places", "document", "view", "session",
+            "limits", "pages", "one_file", "scope", "command", "frame", "event", "compiled", "wiring",
+            "patches", "places", "document", "view", "session",
         ],
     ),
     (

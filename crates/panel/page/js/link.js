@@ -2,13 +2,15 @@
  * The way to a session or a comparison: a server behind a WebSocket or an engine in a Worker. Both answer requests in order.
  *
  * @typedef {{text: string, frame: ArrayBuffer | null}} Answer
- * @typedef {{kind: 'server' | 'worker', patch?: string | null, request: (text: string) => Promise<Answer>,
+ * @typedef {{kind: 'server' | 'worker', patch?: string | null, text?: string, request: (text: string) => Promise<Answer>,
  *   lost: Promise<string>, onpartial: (text: string) => void, close: () => void}} Link  `patch` is the name of the patch that
- *   the host opens first; `lost` resolves with a message when the host no longer answers. `onpartial` gets the partial
- *   responses to a request. `close` ends the host at once: open requests fail, and `lost` stays open.
+ *   the host opens first, and `text` its text if it is in host.json; `lost` resolves with a message when the host no longer
+ *   answers. `onpartial` gets the partial responses to a request. `close` ends the host at once: open requests fail, and
+ *   `lost` stays open.
  */
 
 import { stored } from './dom.js';
+import { addressOf, isInside, read } from './resources.js';
 
 /**
  * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
@@ -88,9 +90,12 @@ function connectServer(path) {
   });
 }
 
-/** @returns {Link} */
-function connectWorker(module) {
-  const worker = new Worker(`worker/engine.js?module=${module}`, { type: 'module' });
+/** @returns {Promise<Link>} */
+async function connectWorker(module) {
+  const inside = isInside(module);
+  // A module that the document has is sent. Otherwise the Worker fetches the one that its address names.
+  const query = inside ? '' : `?module=${module}`;
+  const worker = new Worker(addressOf('worker/engine.js', 'text/javascript') + query, { type: 'module' });
   let id = 0;
   const { link, answer, close } = linkOf((text) => {
     id += 1;
@@ -106,6 +111,7 @@ function connectWorker(module) {
     else answer(data.text, data.frame);
   };
   worker.onerror = (event) => fail(event.message || 'The engine could not be loaded. Load the page again.');
+  if (inside) worker.postMessage({ module: await (await read(module)).arrayBuffer() });
   return link;
 }
 
@@ -115,11 +121,11 @@ const connectTo = (path, module) => (kind === 'server' ? connectServer(path) : c
 /** Connects to the host that host.json names. @returns {Promise<Link>} */
 export async function connect() {
   token();
-  const answer = await fetch('host.json');
+  const answer = await read('host.json');
   if (!answer.ok) throw new Error('The file host.json is missing next to the page.');
-  const { host, patch } = await answer.json();
+  const { host, patch, text } = await answer.json();
   kind = host;
-  return Object.assign(await connectTo('session', 'engine.wasm'), { patch });
+  return Object.assign(await connectTo('session', 'engine.wasm'), { patch, text });
 }
 
 /** Begins a comparison with measured data at the same host. @returns {Promise<Link>} */

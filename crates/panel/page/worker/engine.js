@@ -1,10 +1,10 @@
 /**
  * The engine in a Worker: a session or a comparison in WebAssembly. A message `{id, text}` is a request, and its answer is
  * `{id, text, frame}` or `{id, failed}`. Before it, there may be partial responses `{id, text, partial: true}`. After a
- * failure, every request fails.
+ * failure, every request fails. A first message `{module}` has the bytes of the module; without it, the module is fetched.
  */
 
-/** The file of the module, which the address of the Worker names. */
+/** The file of the module, which the address of the Worker names unless a message has the module. */
 const name = new URL(import.meta.url).searchParams.get('module') ?? 'engine.wasm';
 
 /** What a panic of the engine said. */
@@ -16,19 +16,22 @@ let present = null;
 /** Why there is no engine; empty while there is one. */
 let failed = '';
 
-/** The functions of the engine that JavaScript calls, and its memory. */
-const engine = load();
+/** The functions of the engine that JavaScript calls, and its memory; null before the first message. */
+let engine = null;
 
-async function load() {
+async function fetchModule() {
   const file = new URL(`../${name}`, import.meta.url);
   const response = await fetch(file);
   if (!response.ok) throw new Error(`The file ${name} is missing next to the page (${response.status}).`);
   // Some web servers do not know the type of WebAssembly, and browsers compile no other type as it arrives.
   const isKnown = response.headers.get('content-type') === 'application/wasm';
-  const imports = { host: { now: () => performance.now(), fail, partial } };
-  const { instance } = isKnown
-    ? await WebAssembly.instantiateStreaming(response, imports)
-    : await WebAssembly.instantiate(await response.arrayBuffer(), imports);
+  return isKnown ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
+}
+
+/** @param {ArrayBuffer | undefined} bytes */
+async function load(bytes) {
+  const module = await (bytes ? WebAssembly.compile(bytes) : fetchModule());
+  const instance = await WebAssembly.instantiate(module, { host: { now: () => performance.now(), fail, partial } });
   /** The engine calls this with the message of a panic. It then stops. */
   function fail(pointer, length) {
     panic = textAt(instance.exports, pointer, length);
@@ -59,7 +62,9 @@ function request(exports, text) {
   };
 }
 
-globalThis.onmessage = async ({ data: { id, text } }) => {
+globalThis.onmessage = async ({ data: { id, text, module } }) => {
+  engine ??= load(module);
+  if (module) return;
   try {
     const exports = await engine;
     if (failed) throw new Error(failed);
