@@ -94,6 +94,7 @@ test('without a name, the Worker loads the engine of the panel', async () => {
     return new Promise(() => {});
   };
   await import(pathToFileURL(join(site, 'worker/engine.js')));
+  globalThis.onmessage({ data: { id: 1, text: '' } });
   assert.match(asked[0], /\/engine\.wasm$/);
 });
 
