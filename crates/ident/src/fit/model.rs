@@ -70,6 +70,19 @@ pub enum ModelError {
 /// The outputs of one run: for every output its values at the samples, in the unit of the output.
 pub type OutputTrajectory = Vec<Vec<f64>>;
 
+/// A record, simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedRecord {
+    /// For every output of the experiment its values at the samples of the record, in the unit of the output. If the
+    /// run stops early, the later values are NaN.
+    pub outputs: OutputTrajectory,
+    /// The first overload, with its time in seconds from the first sample of the record. None if no amplifier is
+    /// overloaded.
+    pub overload: Option<Overload>,
+    /// Why the run stopped early. None if it is complete.
+    pub stopped: Option<RunError>,
+}
+
 impl Model {
     /// A model of `records`.
     ///
@@ -173,8 +186,7 @@ impl Model {
         runs.collect()
     }
 
-    /// The outputs of one record at its samples, with changed parameters: names and values in declared units. If the
-    /// run stops early, the later samples are NaN.
+    /// Runs one record with changed parameters: names and values in declared units.
     ///
     /// # Errors
     /// If a parameter is unknown or outside its range, or the run cannot begin.
@@ -182,21 +194,22 @@ impl Model {
         &self,
         record: usize,
         changes: &[(String, f64)],
-    ) -> Result<OutputTrajectory, ModelError> {
+    ) -> Result<SimulatedRecord, ModelError> {
         let mut program = self.programs[record].clone();
         let changes = changes.iter().map(|(name, value)| (name, *value));
         program.set_parameters(changes).map_err(RunError::from)?;
-        let trace = match solve::run(&program, &self.settings[record]) {
-            Ok(trace) => trace,
+        let (trace, stopped) = match solve::run(&program, &self.settings_with_lamps(record)) {
+            Ok(trace) => (trace, None),
             Err(stopped) if stopped.trace.is_empty() => return Err(stopped.error.into()),
-            Err(stopped) => *stopped.trace,
+            Err(stopped) => (*stopped.trace, Some(stopped.error)),
         };
         let output_values = |name: &String| {
             let mut values = trace.values(name).unwrap_or_default();
             values.resize(self.sample_counts[record], f64::NAN);
             values
         };
-        Ok(self.outputs.iter().map(output_values).collect())
+        let outputs = self.outputs.iter().map(output_values).collect();
+        Ok(SimulatedRecord { outputs, overload: trace.overloads().next().cloned(), stopped })
     }
 
     /// The first overload of a run along one record. `None` if there is no overload or the run fails.

@@ -4,17 +4,9 @@
 
 use crate::data::experiment::Experiment;
 use crate::data::record::Record;
-use crate::fit::model::{FitProgram, Model, ModelError};
+use crate::fit::model::{FitProgram, Model, ModelError, SimulatedRecord};
 use crate::fit::problem::Problem;
 use patchcord_analysis::parallel;
-
-/// The outputs of a simulated record.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SimulatedRecord {
-    /// For every output of the experiment its values at the samples of the record, in the unit of the output. If the
-    /// run stops early, the later values are NaN.
-    pub outputs: Vec<Vec<f64>>,
-}
 
 /// The patch of an experiment, compiled once and ready to be run with many values of its parameters.
 ///
@@ -61,8 +53,7 @@ impl Simulation {
     /// If a parameter is unknown or outside its range, or a run cannot begin.
     pub fn run(&self, parameters: &[(String, f64)]) -> Result<Vec<SimulatedRecord>, ModelError> {
         let simulate = |record: usize| self.model.simulate(record, parameters);
-        let runs = parallel::map_indices(self.model.record_count(), simulate).into_iter();
-        runs.map(|outputs| Ok(SimulatedRecord { outputs: outputs? })).collect()
+        parallel::map_indices(self.model.record_count(), simulate).into_iter().collect()
     }
 }
 
