@@ -87,8 +87,8 @@ const MODULES: [(&str, &[&str]); 11] = [
     (
         "panel",
         &[
-            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches",
-            "places", "document", "view", "session",
+            "limits", "pages", "one_file", "scope", "command", "frame", "event", "compiled", "wiring",
+            "patches", "places", "document", "view", "session",
         ],
     ),
     (
@@ -99,7 +99,10 @@ const MODULES: [(&str, &[&str]); 11] = [
             "names",
             "headers",
             "browsers",
-            "session_thread",
+            "worker",
+            "engines",
+            "service",
+            "reasons",
             "socket",
             "host",
             "routes",

@@ -114,6 +114,11 @@ pub enum Command {
         /// Name of the machine; that of the present patch if absent.
         machine: Option<String>,
     },
+    /// Replaces the text of the patch as one step of the history. The machine continues with its states.
+    Replace {
+        /// The JSON document.
+        text: String,
+    },
     /// Asks for the text of the patch. The answer is the event `text`.
     Text,
     /// Asks for the session as data: patch, history, mode, scopes. The answer is the event `snapshot`.
@@ -227,6 +232,13 @@ pub enum Command {
         id: u64,
         /// The jack.
         to: CordEnd,
+    },
+    /// Moves the loose end of a cord to another place on the panel.
+    MoveLoose {
+        /// Number of the loose cord.
+        id: u64,
+        /// Place of the loose end, in units of the page.
+        at: [f64; 2],
     },
     /// Removes a loose cord.
     RemoveLoose {

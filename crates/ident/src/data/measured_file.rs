@@ -159,10 +159,10 @@ impl FileReader<'_> {
 
     /// Checks that the file has at least two rows, which an even grid of times needs.
     fn check_row_count(&self, rows: &CsvTable) -> Result<(), Diagnostic> {
-        let too_few = too_few_rows(&self.path, rows);
-        too_few.map_or(Ok(()), |message| {
-            Err(Diagnostic::at(codes::TOO_FEW_SAMPLES, self.source.file.span, message))
-        })
+        match too_few_rows(&self.path, rows) {
+            Some(message) => Err(Diagnostic::at(codes::TOO_FEW_SAMPLES, self.source.file.span, message)),
+            None => Ok(()),
+        }
     }
 
     /// Reports faults of the times of a file that has a fault in another column.

@@ -62,7 +62,7 @@ pub enum ModelError {
     /// A record cannot feed a drive.
     #[error(transparent)]
     DriveTable(#[from] DriveTableError),
-    /// The flag of [`SearchSettings::with_cancel`](crate::SearchSettings::with_cancel) was set.
+    /// The flag of `SearchSettings::with_cancel` was set.
     #[error("the search was cancelled")]
     Cancelled,
 }

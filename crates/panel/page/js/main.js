@@ -116,6 +116,7 @@ async function start() {
   await begin();
 }
 
+byId('unstarted').remove();
 mountControls();
 mountTitle();
 mountMessages(start);

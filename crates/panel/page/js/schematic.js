@@ -224,7 +224,7 @@ export function mountSchematic(root) {
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
-  for (const name of ['scopes', 'meter', 'findings']) on(name, showMarks);
+  for (const name of ['scopes', 'machine', 'findings']) on(name, showMarks);
   on('highlight', (where) => {
     const { at, area } = (where.element && spot(where)) || {};
     if (!area) return;

@@ -72,9 +72,9 @@ export async function share() {
   if (!patch) return;
   const data = btoa(Array.from(await deflate(patch.text), (byte) => String.fromCharCode(byte)).join(''));
   const coded = data.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
-  const url = `${location.origin}${location.pathname}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
+  const url = `${location.href.split(/[?#]/)[0]}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
   byId('share-link').value = url;
-  byId('share-server').hidden = state.host?.kind !== 'server';
+  byId('share-server').hidden = state.host?.kind !== 'server' && location.protocol !== 'file:';
   byId('share-long').hidden = url.length <= LONG_LINK;
   byId('share-system').hidden = !navigator.share;
   byId('share-system').onclick = () => navigator.share({ url }).catch(() => {});
