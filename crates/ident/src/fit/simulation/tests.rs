@@ -15,7 +15,8 @@ const INTEGRAL: &str = r#"{
     "a": {"value": 2, "unit": "1", "range": [0, 10]},
     "x0": {"value": 10, "unit": "1", "range": [-50, 50]}
   },
-  "drives": {"u": {"kind": "step", "height": 1}},
+  "scales": {"volts": {"per_volt": 1, "unit": "V"}},
+  "drives": {"u": {"kind": "step", "height": 1, "scale": "volts"}},
   "elements": {
     "P1": {"kind": "pot", "in": "u", "setting": "a / 10"},
     "A1": {"kind": "integrator", "in": {"x10": ["P1"]}, "initial": "x0"}
@@ -93,7 +94,7 @@ fn a_simulation_equals_a_run_of_the_patch() {
     let record = &experiment.train[0];
     let phases = vec![Phase::InitialCondition, Phase::operate(record.duration())];
     let settings = RunSettings::from_phases(phases, record.interval / f64::from(problem.steps));
-    let trace = run(&program, &settings.with_sample_interval(record.interval)).unwrap();
+    let trace = run(&program, &settings.with_sample_interval(record.interval).with_signals(["x"])).unwrap();
     assert_eq!(trace.values("x").unwrap()[..record.len()], simulated[0].outputs[0]);
 }
 
@@ -101,7 +102,7 @@ fn a_simulation_equals_a_run_of_the_patch() {
 fn an_unknown_parameter_or_a_value_outside_its_range_is_an_error() {
     let experiment = spring();
     let message = |name, value| simulate(&experiment, &changes(&[(name, value)])).unwrap_err().to_string();
-    assert_eq!(message("k", 1000.0), "k = 1000 is outside its range 1 ... 100");
+    assert_eq!(message("k", 1000.0), "k = 1000 N/m is outside its range 1 ... 100 N/m");
     assert!(message("stiffness", 40.0).contains("stiffness"));
 }
 
