@@ -49,10 +49,13 @@ export function filter(nodes, text) {
   for (const node of nodes) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
 }
 
-/** A copy of a template of index.html, and its parts by the names in `data-part`. @returns {Record<string, any>} */
+/** The parts of an element by the names in `data-part`. @returns {Record<string, any>} */
+export const partsOf = (node) => Object.fromEntries([...node.querySelectorAll('[data-part]')].map((part) => [part.dataset.part, part]));
+
+/** A copy of a template of index.html, and its parts. @returns {Record<string, any>} */
 export function template(id) {
   const node = byId(id).content.firstElementChild.cloneNode(true);
-  return { node, ...Object.fromEntries([...node.querySelectorAll('[data-part]')].map((part) => [part.dataset.part, part])) };
+  return { node, ...partsOf(node) };
 }
 
 /** A copy of the drawing in a template, with more attributes. */

@@ -9,6 +9,7 @@ import { bind, startKeys } from './keys.js';
 import { mountKnobs } from './knobs.js';
 import { mountLamps } from './lamps.js';
 import { startLoop } from './loop.js';
+import { mountMeasured } from './measured.js';
 import { mountMessages } from './messages.js';
 import { mountMeters } from './meters.js';
 import { mountSchematic } from './schematic.js';
@@ -55,7 +56,7 @@ function mountTabs() {
   // A finding about an equation has no place at the panel. The schematic has all other places.
   on('highlight', ({ element, equation }) => {
     if (equation) select(tabs[2]);
-    else if (element && (root.dataset.layout === 'scopes' || !byId('equations').hidden)) select(byId('board').hidden ? tabs[0] : tabs[1]);
+    else if (element && (root.dataset.layout === 'scopes' || (byId('schematic').hidden && byId('board').hidden))) select(byId('board').hidden ? tabs[0] : tabs[1]);
   });
 }
 
@@ -127,6 +128,7 @@ mountLamps();
 mountSchematic(byId('schematic'));
 mountBoard(byId('board'));
 mountEquations(byId('equations'));
+mountMeasured();
 mountTabs();
 mountAppearance();
 mountPopovers();
