@@ -22,7 +22,7 @@ function findingItem({ code, severity, message, hint, place }) {
 }
 
 function count(number, word) {
-  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : null;
+  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : '';
 }
 
 function showFindings() {

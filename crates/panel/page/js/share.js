@@ -31,9 +31,7 @@ export async function textOf(stream, limit, name) {
 const through = (data, stream) => new Blob([data]).stream().pipeThrough(stream);
 
 /** Compresses a text. */
-export async function deflate(text) {
-  return new Uint8Array(await new Response(through(text, new CompressionStream('deflate-raw'))).arrayBuffer());
-}
+export const deflate = (text) => new Response(through(text, new CompressionStream('deflate-raw'))).bytes();
 
 /** The text of compressed bytes. Rejects if they are wrong or the text is larger than the limit. */
 export const inflate = (bytes, limit) => textOf(through(bytes, new DecompressionStream('deflate-raw')), limit, 'The patch in the link');
@@ -51,7 +49,7 @@ export async function takeLink() {
   if (coded === null) return null;
   history.replaceState(null, '', location.pathname + location.search);
   try {
-    const bytes = Uint8Array.from(atob(coded.replaceAll('-', '+').replaceAll('_', '/')), (char) => char.charCodeAt(0));
+    const bytes = Uint8Array.fromBase64(coded, { alphabet: 'base64url' });
     return { name: baseName(fragment.get('name') ?? '').slice(-80) || 'shared.json', text: await inflate(bytes, LARGEST_IN_LINK) };
   } catch (fault) {
     throw fault.name === 'Error' ? fault : new Error('The patch in the link cannot be read. Copy the complete link.');
@@ -70,8 +68,7 @@ async function copy() {
 export async function share() {
   const patch = await ask('text');
   if (!patch) return;
-  const data = btoa(Array.from(await deflate(patch.text), (byte) => String.fromCharCode(byte)).join(''));
-  const coded = data.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
+  const coded = (await deflate(patch.text)).toBase64({ alphabet: 'base64url', omitPadding: true });
   const url = `${location.origin}${location.pathname}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
   byId('share-link').value = url;
   byId('share-server').hidden = state.host?.kind !== 'server';
