@@ -162,7 +162,7 @@ export function mountEquations(root) {
     if (text !== drawn) show();
     drawn = text;
   };
-  for (const name of ['equations', 'findings', 'patch']) on(name, refresh);
+  on('equations findings patch', refresh);
   const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
   const leave = () => emit('pointed', {});
   fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });

@@ -75,5 +75,5 @@ export function mountMessages(reconnect) {
     byId('link').hidden = connected;
     write(byId('link').firstChild, message);
   });
-  on('probing', ({ active }) => root.toggleAttribute('data-probing', active));
+  on('probing', (waits) => root.toggleAttribute('data-probing', waits));
 }

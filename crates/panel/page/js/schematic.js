@@ -129,7 +129,7 @@ export function mountSchematic(root) {
   const under = ({ target }) => target.closest?.('[data-output]')?.dataset.output ?? null;
   const hasFocus = () => picture.contains(document.activeElement);
   const rove = (name) => {
-    for (const [each, { nodes }] of cells) nodes.output.setAttribute('tabindex', each === name ? 0 : -1);
+    for (const [each, { nodes }] of cells) nodes.output.tabIndex = each === name ? 0 : -1;
     focused = name;
   };
   const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
@@ -153,7 +153,7 @@ export function mountSchematic(root) {
       if (!cell) return;
       rove(name);
       const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
-      fill(cell.nodes.output, { 'aria-label': [outputName(name), valueText(name), ...said].filter(Boolean).join(', ') });
+      cell.nodes.output.ariaLabel = [outputName(name), valueText(name), ...said].filter(Boolean).join(', ');
       zoom.reveal(cell);
       point(name);
     },
@@ -220,7 +220,7 @@ export function mountSchematic(root) {
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
-  for (const name of ['scopes', 'meter', 'findings']) on(name, showMarks);
+  on('scopes meter findings', showMarks);
   on('highlight', (where) => {
     const { at, area } = spot(where) ?? {};
     if (!area) return;

@@ -1,12 +1,14 @@
 /** The patch in a link: compressed in the part of the address that browsers do not send to servers. */
 
-import { byId } from './dom.js';
+import { byId, partsOf } from './dom.js';
 import { ask, state } from './state.js';
 
 /** The largest text of a patch in a link, in bytes. */
 const LARGEST_IN_LINK = 1e6;
 /** Some programs cut longer links. */
 const LONG_LINK = 8000;
+
+const dialog = byId('share-dialog');
 
 /** The text of a stream, which is not read further than the limit. Rejects with a message if it is larger or no text. */
 export async function textOf(stream, limit, name) {
@@ -58,10 +60,10 @@ export async function takeLink() {
 
 /** Copies the link. Pages without encryption have no clipboard, but they can copy what is selected. */
 async function copy() {
-  const field = byId('share-link');
-  const isCopied = await navigator.clipboard?.writeText(field.value).then(() => true, () => false);
-  if (!isCopied) field.select();
-  byId('share-status').textContent = isCopied || document.execCommand('copy') ? 'The link is copied.' : 'Select the link and copy it.';
+  const { link, status } = partsOf(dialog);
+  const isCopied = await navigator.clipboard?.writeText(link.value).then(() => true, () => false);
+  if (!isCopied) link.select();
+  status.textContent = isCopied || document.execCommand('copy') ? 'The link is copied.' : 'Select the link and copy it.';
 }
 
 /** Copies the link of the present patch, and shows it. The address has no token, because only its path is used. */
@@ -70,12 +72,13 @@ export async function share() {
   if (!patch) return;
   const coded = (await deflate(patch.text)).toBase64({ alphabet: 'base64url', omitPadding: true });
   const url = `${location.origin}${location.pathname}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
-  byId('share-link').value = url;
-  byId('share-server').hidden = state.host?.kind !== 'server';
-  byId('share-long').hidden = url.length <= LONG_LINK;
-  byId('share-system').hidden = !navigator.share;
-  byId('share-system').onclick = () => navigator.share({ url }).catch(() => {});
-  byId('share-copy').onclick = copy;
-  byId('share-dialog').showModal();
+  const { link, server, long, system, again } = partsOf(dialog);
+  link.value = url;
+  server.hidden = state.host?.kind !== 'server';
+  long.hidden = url.length <= LONG_LINK;
+  system.hidden = !navigator.share;
+  system.onclick = () => navigator.share({ url }).catch(() => {});
+  again.onclick = copy;
+  dialog.showModal();
   copy();
 }
