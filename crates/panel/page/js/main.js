@@ -30,7 +30,7 @@ function mountTabs() {
   const panelOf = (tab) => byId(tab.getAttribute('aria-controls'));
   const select = (chosen) => {
     for (const tab of tabs) {
-      tab.setAttribute('aria-selected', tab === chosen);
+      tab.ariaSelected = tab === chosen;
       tab.tabIndex = tab === chosen ? 0 : -1;
       panelOf(tab).hidden = tab !== chosen;
     }
@@ -67,23 +67,19 @@ function sendViews() {
 
 /** Theme and projector mode, which theme.js keeps. */
 function mountAppearance() {
-  const theme = byId('theme');
+  const [theme, projector] = [byId('theme'), byId('projector')];
   theme.value = stored('theme') ?? 'system';
-  const projector = byId('projector');
-  const isLarge = () => root.hasAttribute('data-projector');
+  projector.ariaPressed = stored('projector') === 'true';
   const set = (key, value) => {
     stored(key, value);
     root.dispatchEvent(new Event('themeset'));
   };
   theme.onchange = () => set('theme', theme.value);
-  projector.onclick = () => set('projector', !isLarge());
-  bind('l', 'Large type for a projector', projector.onclick);
-  const show = () => {
-    projector.ariaPressed = isLarge();
-    emit('theme', root.dataset.theme);
+  projector.onclick = () => {
+    projector.ariaPressed = projector.ariaPressed !== 'true';
+    set('projector', projector.ariaPressed);
   };
-  root.addEventListener('themechange', show);
-  show();
+  bind('l', 'Large type for a projector', projector.onclick);
 }
 
 function mountTitle() {

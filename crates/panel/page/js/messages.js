@@ -13,21 +13,16 @@ export function placeName({ element, jack, setting, parameter }) {
 }
 
 function findingItem({ code, severity, message, hint, place }) {
-  const { node, name, text, remedy, place: show, equations } = template('finding');
+  const { node, seek, equations } = template('finding', { severity, message, hint, seek: place && `Show ${placeName(place)}` });
   node.classList.add(severity);
-  name.textContent = severity === 'error' ? 'Error' : 'Warning';
-  text.textContent = message;
-  remedy.textContent = hint;
-  show.hidden = !place;
-  show.textContent = `Show ${placeName(place ?? {})}`;
-  show.onclick = () => highlight(place);
+  seek.onclick = () => highlight(place);
   equations.hidden = code !== 'equation-not-solved';
   equations.onclick = () => highlight({ equation: true });
   return node;
 }
 
 function count(number, word) {
-  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : null;
+  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : '';
 }
 
 function showFindings() {
@@ -49,9 +44,8 @@ function place(box) {
 
 /** Shows a message near the pointer and reads it out. A message stays while the pointer is on it. */
 export function toast(message, kind = 'error') {
-  const { node: box, text, close } = template('toast');
+  const { node: box, close } = template('toast', { message });
   box.classList.add(kind);
-  text.textContent = message;
   close.onclick = () => box.remove();
   byId('toasts').replaceChildren(box);
   place(box);
@@ -81,5 +75,5 @@ export function mountMessages(reconnect) {
     byId('link').hidden = connected;
     write(byId('link').firstChild, message);
   });
-  on('probing', ({ active }) => root.toggleAttribute('data-probing', active));
+  on('probing', (waits) => root.toggleAttribute('data-probing', waits));
 }

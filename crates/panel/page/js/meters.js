@@ -32,7 +32,7 @@ function meterOf(command, title, connect) {
     selectProbe(choose);
     probe.ariaPressed = true;
   };
-  on('probing', ({ active }) => { if (!active) probe.ariaPressed = false; });
+  on('probing', (waits) => { if (!waits) probe.ariaPressed = false; });
   // The menu of the schematic connects a meter too.
   on('meter', ({ meter, output }) => {
     if (meter !== command) return;

@@ -25,8 +25,6 @@ const STEPS_BETWEEN_QUESTIONS: u64 = 200;
 /// Largest number of consecutive phases that take no time in one advance. An overload can end every sweep at its
 /// beginning, and a run can have millions of initial conditions.
 const MAX_IDLE_PHASES: usize = 1000;
-/// Largest number of pieces of [`STEPS_BETWEEN_QUESTIONS`] steps that are repeated when the machine goes back.
-const MAX_REPEATED_PIECES: usize = 1000;
 /// Largest change of a voltage between two points of an X-Y curve, in volts, if steps are long.
 const CURVE_VOLTS: f64 = 0.5;
 
@@ -62,6 +60,14 @@ impl Default for Controls {
     }
 }
 
+/// The way back to an earlier time. A checkpoint before it was restored, and the run is repeated from there.
+struct WayBack {
+    /// The time by the recorder's clock, in seconds.
+    goal: f64,
+    /// The parameters that the machine gets there.
+    parameters: Vec<(String, f64)>,
+}
+
 /// The machine, its controls and its clock.
 pub(super) struct Bench {
     /// The controls.
@@ -78,6 +84,8 @@ pub(super) struct Bench {
     pub stopped: Option<String>,
     /// The mode for which the machine plays its phases; `None` before the first one and after the machine went back.
     plays: Option<Mode>,
+    /// The way back to an earlier time, if the machine is on it.
+    way_back: Option<WayBack>,
     /// Problem seconds by which the machine is ahead of the clock, because it was held or took a step across it;
     /// negative if it is behind by less than a step.
     ahead: f64,
@@ -102,6 +110,7 @@ impl Bench {
             is_blocked: true,
             stopped: None,
             plays: None,
+            way_back: None,
             ahead: 0.0,
             last_point: f64::INFINITY,
             repetitions: 0,
@@ -128,6 +137,7 @@ impl Bench {
             self.is_blocked = true;
             return;
         };
+        self.end_way_back(scopes);
         self.is_blocked = false;
         self.plan = circuit.run_plan().all_phases();
         self.plan_length = circuit.run_plan().longest_repetition();
@@ -159,6 +169,7 @@ impl Bench {
 
     /// Selects a mode and begins it.
     pub(super) fn set_mode(&mut self, mode: Mode, scopes: &mut [Scope]) {
+        self.end_way_back(scopes);
         let before = self.controls.mode;
         self.controls.mode = mode;
         if self.stopped.is_some() && !matches!(mode, Mode::Hold | Mode::Operate) {
@@ -235,7 +246,13 @@ impl Bench {
     ///
     /// # Errors
     /// The message if the machine refuses it. Nothing is changed then.
-    pub(super) fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), String> {
+    pub(super) fn set_parameter(
+        &mut self,
+        name: &str,
+        value: f64,
+        scopes: &mut [Scope],
+    ) -> Result<(), String> {
+        self.end_way_back(scopes);
         let Some(machine) = &mut self.machine else { return Ok(()) };
         machine.with_dependent_mut(|_, live| {
             live.run.set_parameters([(name, value)]).map_err(|error| error.to_string())
@@ -244,15 +261,17 @@ impl Bench {
         Ok(())
     }
 
-    /// Moves the machine back to an earlier time of its run, and holds it there. `parameters` are the present ones.
+    /// Moves the machine back to an earlier time of its run, and holds it there. `parameters` are those that it gets
+    /// there. If the host has no time for the whole way, the next advances continue it.
     ///
     /// # Errors
     /// The message if the time is not within the run, or if the machine waits for a patch without faults.
     pub(super) fn scrub(
         &mut self,
         time: f64,
-        parameters: &[(String, f64)],
+        parameters: Vec<(String, f64)>,
         scopes: &mut [Scope],
+        must_stop: &mut dyn FnMut() -> bool,
     ) -> Result<(), String> {
         if self.is_blocked {
             return Err("the patch has faults: correct them before the machine goes back".to_owned());
@@ -266,12 +285,28 @@ impl Bench {
             ));
         };
         (self.stopped, self.controls.mode, self.plays) = (None, Mode::Hold, None);
+        self.way_back = Some(WayBack { goal, parameters });
+        self.follow_way_back(scopes, must_stop);
+        Ok(())
+    }
+
+    /// Follows the way back as far as the host gives time.
+    fn follow_way_back(&mut self, scopes: &mut [Scope], must_stop: &mut dyn FnMut() -> bool) {
+        let Some(goal) = self.way_back.as_ref().map(|way| way.goal) else { return };
+        let further = Phase::operate(self.sweep());
+        let arrives = self.with_live(|live| play_up_to(live, goal, &further, must_stop));
+        if arrives != Some(false) {
+            self.end_way_back(scopes);
+        }
+    }
+
+    /// Ends the way back at the present instant, if the machine is on one: it gets the present parameters, and the scopes
+    /// go back to this point.
+    fn end_way_back(&mut self, scopes: &mut [Scope]) {
+        let (Some(way), Some(machine)) = (self.way_back.take(), &mut self.machine) else { return };
         let watched = &self.watched;
-        let Some(machine) = &mut self.machine else { return Ok(()) };
         let outcome = machine.with_dependent_mut(|_, live| {
-            play_up_to(live, goal)?;
-            live.run.set_parameters(parameters.iter().map(|(name, value)| (name, *value)))?;
-            // The scopes go back to the present point.
+            live.run.set_parameters(way.parameters.iter().map(|(name, value)| (name, *value)))?;
             if let Some((time, volts)) = live.run.points().iter().last() {
                 pass_point(time, volts, watched, scopes);
             }
@@ -282,7 +317,6 @@ impl Bench {
             self.stopped = Some(error.to_string());
         }
         (self.ahead, self.last_point) = (0.0, self.clock());
-        Ok(())
     }
 
     /// Connects the probes of the scopes.
@@ -306,9 +340,10 @@ impl Bench {
         matches!(self.controls.mode, Mode::Operate | Mode::Repetitive | Mode::Single)
     }
 
-    /// Whether problem time advances with the clock.
+    /// Whether problem time advances with the clock, or the machine is on its way back.
     pub(super) fn is_moving(&self) -> bool {
-        self.moves() && !self.controls.paused && self.is_ready()
+        let follows_clock = self.moves() && !self.controls.paused;
+        (follows_clock || self.way_back.is_some()) && self.is_ready()
     }
 
     /// Problem seconds in a number of seconds of the clock; infinity for as many as possible.
@@ -331,6 +366,9 @@ impl Bench {
         self.factor = 1.0;
         if !self.is_moving() {
             return;
+        }
+        if self.way_back.is_some() {
+            return self.follow_way_back(scopes, must_stop);
         }
         let asked = self.problem_seconds(seconds);
         let done = self.follow(asked, scopes, must_stop);
@@ -455,22 +493,35 @@ fn pass_point(time: f64, volts: &[f64], watched: &[Option<String>], scopes: &mut
     }
 }
 
-/// Plays a run up to a time by the recorder's clock, within a step. A very long way ends before that time.
+/// Plays a run up to a time by the recorder's clock, within a step, and keeps the last points only. `further` is the
+/// phase that operation without end has after each other one. Returns whether the run arrives there before the host has
+/// no more time.
 ///
 /// # Errors
 /// If the run has to stop.
-fn play_up_to(live: &mut Live<'_>, clock: f64) -> Result<(), RunError> {
-    for _ in 0..MAX_REPEATED_PIECES {
+fn play_up_to(
+    live: &mut Live<'_>,
+    clock: f64,
+    further: &Phase,
+    must_stop: &mut dyn FnMut() -> bool,
+) -> Result<bool, RunError> {
+    loop {
         let before = live.run.clock();
-        if before >= clock || live.run.is_finished() {
-            break;
+        if before >= clock || live.run.is_held() {
+            return Ok(true);
         }
+        if live.run.is_finished() {
+            live.run.replace_phases(std::slice::from_ref(further))?;
+        }
+        live.run.points().clear();
         let state = live.run.advance(clock, STEPS_BETWEEN_QUESTIONS)?;
         if state == LiveState::Operating && live.run.clock() == before {
-            break;
+            return Ok(true);
+        }
+        if must_stop() {
+            return Ok(false);
         }
     }
-    Ok(())
 }
 
 /// A machine in initial condition, or one that continues the run of another machine.

@@ -209,7 +209,7 @@ impl Session {
             Command::Scrub { time } => {
                 within("the time", Some(*time), 0.0, f64::MAX)?;
                 let parameters = self.parameters();
-                self.bench.scrub(*time, &parameters, &mut self.scopes).map_err(Refusal::new)?;
+                self.bench.scrub(*time, parameters, &mut self.scopes, must_stop).map_err(Refusal::new)?;
             }
             Command::Advance { seconds } => {
                 within("the time to advance", Some(*seconds), 0.0, 1.0)?;
@@ -278,7 +278,7 @@ impl Session {
         if let Command::Parameter { name, value } = command
             && !self.bench.is_blocked
         {
-            self.bench.set_parameter(name, *value).map_err(Refusal::new)?;
+            self.bench.set_parameter(name, *value, &mut self.scopes).map_err(Refusal::new)?;
             machine_has_it = true;
         }
         match self.document.commit(edited) {
@@ -323,7 +323,8 @@ impl Session {
         match change {
             Change::Parameter { name, value } => {
                 // A machine that waits, or does not take the value, is made again with it.
-                if self.bench.is_blocked || self.bench.set_parameter(&name, value).is_err() {
+                if self.bench.is_blocked || self.bench.set_parameter(&name, value, &mut self.scopes).is_err()
+                {
                     return self.follow(Change::Patch, events);
                 }
                 self.note_turned(name, value, events);
