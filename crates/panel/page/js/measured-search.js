@@ -9,7 +9,6 @@ import { highlight, refusalOf, send } from './state.js';
 const DRAWN = 400;
 
 let found = null;
-let last = 0;
 
 const times = (rms) => (rms === null ? 'no fit' : `${quantity(rms, '', 3)} × noise`);
 
@@ -17,18 +16,12 @@ const times = (rms) => (rms === null ? 'no fit' : `${quantity(rms, '', 3)} × no
 export const list = (parent, texts) => parent.replaceChildren(...texts.map((text) => el('li', null, text)));
 
 /** Shows a step of the search, and adds the candidates that were tried since the last one. */
-export function showProgress({ round, phase, done, total, added, best, rejected }) {
-  const { bar, candidates } = view;
-  const name = view.phase.dataset[phase] ?? phase;
-  write(view.phase, name + (total ? `: ${done} of ${total}` : '') + (added.length ? `, with ${added.join(' and ')}` : ''));
-  // Only what changes seldom is read out.
-  write(view.spoken, best ? `${name}. Best so far: ${best}` : name);
-  bar.max = total || 1;
-  bar.value = done;
-  if (round !== last) list(candidates, []);
-  last = round;
-  for (const { effect, rms } of rejected) candidates.prepend(el('li', { 'data-effect': effect }, el('s', null, effect), times(rms)));
-  for (const { classList, dataset } of candidates.children) classList.toggle('is-best', dataset.effect === best);
+export function showProgress({ phase, done, total, added, best, rejected }) {
+  write(view.phase, phase + (total ? `: ${done} of ${total}` : ''));
+  view.bar.max = total || 1;
+  view.bar.value = done;
+  write(view.best, [...added, best ?? '…'].join(' and '));
+  for (const { effect, rms } of rejected) view.candidates.prepend(el('li', null, el('s', null, effect), times(rms)));
 }
 
 /** Shows the result of a search, or removes the last one. */
@@ -49,17 +42,17 @@ export const actions = {
   keep: () => download('report.html', found.report, 'text/html'),
   /** Opens the report in a tab. The policy of the page also holds there: it permits no styles but those that scripts set. */
   report() {
-    const report = new DOMParser().parseFromString(found.report, 'text/html');
     const tab = window.open();
     if (!tab) return actions.keep();
+    const [, head, styles, body] = found.report.match(/(.*)<style>(.*)<\/style>(.*)/s);
     const { document: page } = tab;
     page.write('<!doctype html><p>');
     page.close();
-    page.documentElement.replaceWith(report.documentElement);
+    page.documentElement.replaceWith(new DOMParser().parseFromString(head + body.replaceAll(' style=', ' data-style='), 'text/html').documentElement);
     const sheet = new tab.CSSStyleSheet();
-    sheet.replaceSync(page.querySelector('style').textContent);
+    sheet.replaceSync(styles);
     page.adoptedStyleSheets = [sheet];
-    for (const { style, attributes } of page.querySelectorAll('[style]')) style.cssText = attributes.style.value;
+    for (const { style, dataset } of page.querySelectorAll('[data-style]')) style.cssText = dataset.style;
   },
   /** Puts the effect into the patch, and shows where. */
   async plug() {

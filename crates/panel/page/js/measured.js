@@ -4,7 +4,7 @@
  * sent, so that the latest values win.
  */
 
-import { byId, quantity, template, write } from './dom.js';
+import { byId, parse, quantity, template, write } from './dom.js';
 import { download } from './files.js';
 import { connectComparison } from './link.js';
 import { place, showCurves, view } from './measured-plot.js';
@@ -21,79 +21,78 @@ const waiting = new Set();
 let [isBusy, isCancelled] = [false, false];
 /** The file that is sent; the file and the name of the patch that the controls are for. */
 let [given, shown, patchName] = [];
-/** The experiment that the session suggests, and the text of the last one that it accepted. */
-let [suggested, accepted] = [];
+/** The text of the last experiment that the session accepted. */
+let accepted = '';
 /** The controls of columns and parameters. */
 let [columns, knobs] = [[], []];
+/** Whether the session has accepted the experiment. Until then it is not asked for curves. */
+let isCompared = false;
 /** The values of all parameters. */
 let values = {};
-/** What was on the panel when it was last looked at, and the values in the text that was sent. */
+/** What was on the panel when it was last looked at. */
 const seen = {};
-let sent = '';
 
 /** The experiment as the controls have it. */
 function experiment() {
-  const made = { ...suggested, outputs: {}, drives: {}, fit: knobs.filter(({ fit }) => fit.checked).map(({ key }) => key) };
-  if (!made.time?.interval) delete made.time;
+  const interval = parse(view.interval.value);
+  const made = {
+    time: interval ? { interval, unit: 's' } : undefined, outputs: {}, drives: {},
+    fit: knobs.filter(({ fit }) => fit.checked).map(({ key }) => key),
+  };
   for (const { key, role, unit, offset } of columns) {
-    const [use, signal] = role.value.split(' ');
-    const column = { column: key, unit: unit.value || undefined };
-    if (use === 'outputs' && offset.checked) column.offset = true;
-    if (signal) made[use][signal] = column;
-    else if (use) made.time = column;
+    const [kind, name] = role.value.split(' ');
+    const use = { column: key, unit: unit.value || undefined, ...(kind === 'outputs' && { offset: offset.checked }) };
+    if (name) made[kind][name] = use;
+    else if (kind) made.time = use;
   }
   return made;
 }
 
 async function patch() {
   const { name, text } = await ask('text') ?? {};
-  sent = seen.simulate;
   return { name, text };
 }
 
-/** The fields of each request. */
-const REQUESTS = {
-  begin: async () => ({ patch: await patch(), data: given }), patch,
-  compare: () => ({ experiment: experiment() }), simulate: () => ({ parameters: values }),
-  // The seed is that of `patchcord gap`, which then finds the same.
-  search: () => ({ seed: 1 }),
+/** The fields of requests that have some. */
+const FIELDS = {
+  begin: async () => ({ patch: await patch(), data: given }), patch, compare: () => ({ experiment: experiment() }), simulate: () => ({ parameters: values }),
 };
 
 /** Shows the values of parameters. */
 function refresh() {
   for (const { key, unit, slider, reading } of knobs) {
-    slider.value = values[key];
+    if (!slider.matches(':active')) slider.value = values[key];
     write(reading, quantity(values[key], unit));
   }
 }
 
 /** The controls of a column. `before` is the experiment that they show at first. */
-function columnOf({ name: key, unit: declared, least, most }, { signals, drives }, before) {
-  const column = { key, ...template('column') };
-  const { node, name, range, role, unit, offset } = column;
-  const add = (text, value, use) => {
+function columnOf({ name: key, unit, least, most }, { signals, drives }, before) {
+  const range = `${quantity(least, '', 3)} … ${quantity(most, unit ?? '', 3)}`;
+  const column = { key, ...template('column', { name: key, range }) };
+  const { node, role, unit: field, offset } = column;
+  const add = (use, value, text) => {
     role.append(new Option(text, value));
     if (key !== (use?.column ?? use)) return;
     role.value = value;
-    unit.value = use.unit ?? '';
+    field.value = use.unit ?? '';
     offset.checked = use.offset;
   };
-  name.textContent = node.ariaLabel = key;
-  range.textContent = `${quantity(least, '', 3)} … ${quantity(most, declared ?? '', 3)}`;
-  unit.placeholder = declared ?? '';
-  add('time', 'time', before.time);
-  for (const each of signals) add(`${each.name} (${each.unit})`, `outputs ${each.name}`, before.outputs?.[each.name]);
-  for (const each of drives) add(`drive ${each.name} (${each.unit})`, `drives ${each.name}`, before.drives?.[each.name]);
+  const addAll = (kind, word, list) => list.forEach((each) => add(before[kind]?.[each.name], `${kind} ${each.name}`, `${word}${each.name} (${each.unit})`));
+  node.ariaLabel = key;
+  field.placeholder = unit ?? '';
+  add(before.time, 'time', 'time');
+  addAll('outputs', '', signals);
+  addAll('drives', 'drive ', drives);
   return column;
 }
 
-function knobOf({ name: key, unit, low, high }, { fit }) {
-  const knob = { key, unit, ...template('fit-parameter') };
-  const { name, slider } = knob;
-  name.textContent = slider.ariaLabel = key;
+function knobOf({ name: key, unit, low: min, high: max }, { fit }) {
+  const knob = { key, unit, ...template('fit-parameter', { name: key }) };
   knob.fit.checked = fit?.includes(key);
-  [slider.min, slider.max] = [low, high];
-  slider.oninput = () => send({ command: 'parameter', name: key, value: Number(slider.value) });
+  Object.assign(knob.slider, {
+    min, max, ariaLabel: key, oninput: () => send({ command: 'parameter', name: key, value: Number(knob.slider.value) }),
+  });
   return knob;
 }
 
@@ -104,19 +103,22 @@ const TAKE = {
     // If only the patch has changed, what the user has selected stays.
     const before = shown === given && patchName === state.patch.file ? experiment() : suggestion;
     const known = knobs.map(({ key }) => key);
-    [shown, patchName, suggested] = [given, state.patch.file, suggestion];
+    [shown, patchName] = [given, state.patch.file];
     root.dataset.file = '';
     view.file.textContent = `${file}, ${rows} rows`;
     columns = place(view.columns, event.columns.map((each) => columnOf(each, event, before)));
-    knobs = place(view.knobs, event.parameters.filter(({ low }) => low !== null)
-      .map((each) => knobOf(each, known.includes(each.name) ? before : suggestion)));
+    knobs = place(view.knobs, event.parameters.map((each) => knobOf(each, known.includes(each.name) ? before : suggestion)));
+    view.interval.value = before.time?.interval ?? '';
+    list(view.warnings, event.notes);
     refresh();
     waiting.add('compare');
   },
   comparison(event) {
     accepted = event.experiment;
     list(view.warnings, event.warnings);
-    if (sent !== seen.simulate) waiting.add('simulate');
+    isCompared = true;
+    // A knob may have been turned meanwhile.
+    waiting.add('simulate');
   },
   curves: showCurves,
   fitted: ({ parameters }) => send(...Object.entries(parameters).map(([name, value]) => ({ command: 'parameter', name, value }))),
@@ -133,7 +135,7 @@ function take(text) {
 
 /** Sends a request. Returns the answer. */
 async function exchange(command) {
-  const fields = await REQUESTS[command]?.();
+  const fields = await FIELDS[command]?.();
   return (await link.request(JSON.stringify({ id: 1, commands: [{ command, ...fields }] }))).text;
 }
 
@@ -150,7 +152,9 @@ async function connect(name) {
 /** Fit and search take long. Meanwhile the columns cannot be changed, and the button of the search cancels. */
 function setBusy(name) {
   root.dataset.busy = name;
-  view.setup.disabled = view.fit.disabled = Boolean(name);
+  view.setup.disabled = name;
+  view.ready.disabled = name || !isCompared;
+  view.search.disabled = !name && !isCompared;
   write(view.search, name ? 'Cancel' : 'Search');
 }
 
@@ -160,7 +164,9 @@ async function pump() {
   isBusy = true;
   for (const name of waiting) {
     waiting.delete(name);
-    setBusy(['fit', 'search'].includes(name) ? name : '');
+    if (name === 'simulate' && !isCompared) continue;
+    if (['fit', 'search'].includes(name)) setBusy(name);
+    else if (name !== 'simulate') isCompared = false;
     isCancelled = false;
     try {
       if (!link) await connect(name);
@@ -170,8 +176,8 @@ async function pump() {
     } catch ({ message }) {
       if (!isCancelled) view.alert.textContent = message;
     }
+    setBusy('');
   }
-  setBusy('');
   isBusy = false;
 }
 
@@ -180,7 +186,7 @@ function run(name) {
   pump();
 }
 
-/** Starts a fit or a search with the values that the knobs have now, or ends it: the next session begins with the same data. */
+/** Starts a fit or a search, or ends it. The next session begins with the same data. */
 function start(name) {
   if (root.dataset.busy) {
     isCancelled = true;
@@ -189,19 +195,19 @@ function start(name) {
     return;
   }
   showFound(null);
-  if (sent !== seen.simulate) waiting.add('patch');
   run(name);
 }
 
-/** Whether something on the panel differs from the last time, apart from values of settings. */
+/** Whether something on the panel differs from the last time, apart from values that parameters give. */
 function differs([name, ...what]) {
-  const [before, now] = [seen[name], JSON.stringify(what, (key, each) => (key === 'value' ? null : each))];
+  const [before, now] = [seen[name], JSON.stringify(what, (key, each) => (['value', 'per_volt'].includes(key) ? null : each))];
   seen[name] = now;
   return before !== now;
 }
 
 /** Sends what follows from a change of the patch. The first request that is necessary includes the others. */
 function follow({ file, signals, elements, time_scale: scale } = state.patch) {
+  if (!given) return;
   const drives = elements.filter(({ family }) => family === 'drive').map(({ name }) => name);
   const [first] = [['begin', file, Object.keys(values), signals, drives], ['patch', scale, elements], ['simulate', Object.entries(values)]].filter(differs);
   if (first) run(first[0]);
@@ -226,7 +232,9 @@ export function mountMeasured() {
     given = file;
     showFound(null);
     byId('tab-measured').click();
-    run('begin');
+    waiting.add('begin');
+    follow();
+    pump();
   });
   on('patch', (patch) => {
     values = Object.fromEntries(patch.parameters.map(({ name, value }) => [name, value]));
