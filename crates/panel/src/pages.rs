@@ -152,6 +152,7 @@ pub const PAGES: &[Page] = pages![
     "js/autosave.js",
     "js/board-tools.js",
     "js/board.js",
+    "js/check.js",
     "js/controls.js",
     "js/cords.js",
     "js/dial.js",

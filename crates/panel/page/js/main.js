@@ -1,6 +1,7 @@
 /** Puts the page together. */
 
 import { mountBoard } from './board.js';
+import { mountCheck } from './check.js';
 import { mountControls, press } from './controls.js';
 import { byId, root, stored } from './dom.js';
 import { mountEquations } from './equations.js';
@@ -123,6 +124,7 @@ mountLamps();
 mountSchematic(byId('schematic'));
 mountBoard(byId('board'));
 mountEquations(byId('equations'));
+mountCheck(byId('check'));
 mountTabs();
 mountAppearance();
 mountPopovers();
