@@ -1,6 +1,7 @@
 /** Puts the page together. */
 
 import { mountBoard } from './board.js';
+import { mountCheck } from './check.js';
 import { mountControls, press } from './controls.js';
 import { byId, root, stored } from './dom.js';
 import { mountEquations } from './equations.js';
@@ -125,6 +126,7 @@ mountSchematic(byId('schematic'));
 mountBoard(byId('board'));
 mountEquations(byId('equations'));
 mountMeasured();
+mountCheck(byId('check'));
 mountTabs();
 mountAppearance();
 mountPopovers();

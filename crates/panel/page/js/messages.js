@@ -1,7 +1,7 @@
 /** Findings of the checker, refusals, and the state of the connection. */
 
 import { byId, float, root, template, write } from './dom.js';
-import { highlight, on, state } from './state.js';
+import { highlight, on, send, state } from './state.js';
 
 /** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
 const SHOWN = 4000;
@@ -29,8 +29,26 @@ function showFindings() {
   const errors = state.findings.filter(({ severity }) => severity === 'error').length;
   const summary = [count(errors, 'error'), count(state.findings.length - errors, 'warning')].filter(Boolean).join(', ');
   byId('findings').replaceChildren(...state.findings.map(findingItem));
+  byId('correct').hidden = !state.findings.some(({ code }) => code.startsWith('equation-'));
   byId('checks').dataset.worst = errors ? 'error' : summary ? 'warning' : 'none';
   write(byId('checks-text'), summary || 'The patch has no faults');
+}
+
+/** Searches for corrections, which takes seconds. They are in the hints of the findings. */
+async function findCorrections() {
+  const correct = byId('correct');
+  if (correct.ariaBusy === 'true') return;
+  correct.ariaBusy = true;
+  write(byId('checks-text'), 'Searching for corrections…');
+  const hints = () => state.findings.map(({ hint }) => hint).join();
+  const before = hints();
+  const answer = await send({ command: 'advise' });
+  correct.ariaBusy = false;
+  showFindings();
+  if (answer.length === 0) return;
+  if (hints() === before) toast('No single change corrects the equations.', 'note');
+  correct.hidden = true;
+  byId('findings').focus();
 }
 
 /** Where the user looks: the pointer, or the control with the focus if a key was the last input. */
@@ -65,6 +83,7 @@ export function mountMessages(reconnect) {
   for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
   document.addEventListener('keydown', () => { pointer = null; });
   byId('link').lastChild.onclick = reconnect;
+  byId('correct').onclick = findCorrections;
   on('findings', showFindings);
   on('refused', ({ message, place: where }) => {
     // The patch panel shows it at the jack.

@@ -78,7 +78,7 @@ export const eventOf = (events, name) => events.find(({ event }) => event === na
 export const refusalOf = (events) => eventOf(events, 'refused')?.message;
 
 /** Sends a command that is answered by an event of the same name. Resolves with this event, if there is one. */
-export const ask = async (command) => eventOf(await send({ command }), command);
+export const ask = async (command, fields) => eventOf(await send({ command, ...fields }), command);
 
 async function pump() {
   if (isOpen || waiting.length === 0 || !state.host) return;
