@@ -174,5 +174,3 @@ test('the panel runs with the network off', { skip: FORM === 'server' && 'the se
   await sweepOnce(page);
   await exportOf(page, 1, 'SVG');
 });
-
-test.todo('a data file is dropped, and the search names the effect');

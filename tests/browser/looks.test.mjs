@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { showBoard } from './board.mjs';
 import { exportOf, FIG_8_16, openPanel, scopeOf, select, stateOf, sweepOnce, tab, until } from './panel.mjs';
 
-const VIEWS = ['Schematic', 'Patch panel', 'Equations'];
+const VIEWS = ['Schematic', 'Patch panel', 'Equations', 'Measured data'];
 
 async function showView(page, name) {
   if (name === 'Patch panel') await showBoard(page);

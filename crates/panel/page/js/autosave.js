@@ -178,7 +178,7 @@ export const forget = (id) => transact((rows) => { rows.delete(id); });
 
 /** Begins to keep patches. */
 export function mountAutosave() {
-  for (const name of ['patch', 'parameter', 'scopes', 'machine']) on(name, changed);
+  on('patch parameter scopes machine', changed);
   on('link', () => { present = null; });
   document.addEventListener('visibilitychange', keep);
   addEventListener('beforeunload', (event) => {

@@ -1,6 +1,6 @@
 /** Tools of the patch panel: the line for cords, the palette of elements, and how the panel looks. */
 
-import { byId, el, stored, within } from './dom.js';
+import { byId, fill, stored, template, within } from './dom.js';
 import { faceplate } from './faceplate.js';
 import { bind } from './keys.js';
 import { toast } from './messages.js';
@@ -8,10 +8,8 @@ import { refusalOf, send, state } from './state.js';
 
 /** @param {any} board what board.js has */
 export function mountTools(board) {
-  const { root, find, canvas, say } = board;
-  const [field, slider, choice, lock, palette, search, list, names] =
-    ['.board-line input', '.board-look input', '.board-tools select', '[data-do=lock]',
-    '.board-palette', '.board-palette input', '.board-palette ul', 'datalist'].map(find);
+  const { root, say } = board;
+  const { canvas, line, field, names, slider, choice, lock, palette, search, list } = board.parts;
 
   /** What a name can be: an output, an input by its name or its label, or an element with one input. */
   function named(text) {
@@ -43,7 +41,7 @@ export function mountTools(board) {
     const first = words.filter((word) => word !== 'remove' && !/<-|->/.test(word)).map(named);
     const types = [['in', 'out'], [first[0]?.exact ? 'out' : 'in']][first.length] ?? [];
     const fits = board.stops.filter(({ type }) => types.includes(type));
-    names.replaceChildren(...fits.map((one) => el('option', { value: [...words, board.nameOf(one)].join(' ') })));
+    names.replaceChildren(...fits.map(({ name }) => new Option('', [...words, name].join(' '))));
   }
 
   // The palette.
@@ -56,10 +54,12 @@ export function mountTools(board) {
     const rows = kinds.filter(({ name, summary }) => `${name} ${summary}`.toLowerCase().includes(words))
       .sort((one, other) => other.name.startsWith(words) - one.name.startsWith(words));
     at = within(0, at, rows.length - 1);
-    list.replaceChildren(...rows.map(({ name, summary, parts }, index) => el('li', {
-      role: 'option', id: `kind-${name}`, 'aria-selected': String(index === at),
-      class: left(parts).startsWith('0') && 'is-none', onclick: () => add(name),
-    }, el('b', null, name), el('span', null, left(parts)), el('span', null, summary))));
+    list.replaceChildren(...rows.map(({ name, summary, parts }, index) => {
+      const rest = left(parts);
+      return fill(template('kind', { name, rest, summary }).node, {
+        id: `kind-${name}`, 'aria-selected': `${index === at}`, class: rest.startsWith('0') && 'is-none', onclick: () => add(name),
+      });
+    }));
     search.setAttribute('aria-activedescendant', rows.length ? `kind-${rows[at].name}` : '');
     list.children[at]?.scrollIntoView({ block: 'nearest' });
   }
@@ -96,7 +96,7 @@ export function mountTools(board) {
       toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
   const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };
-  find('.board-line').onsubmit = enter;
+  line.onsubmit = enter;
   field.oninput = field.onfocus = complete;
   field.onkeydown = ({ key }) => { if (key === 'Escape') board.back(); };
   search.oninput = () => { at = 0; offer(); };
@@ -108,7 +108,7 @@ export function mountTools(board) {
     if (by) offer();
     else list.children[at]?.click();
   };
-  palette.onclick = ({ target }) => { if (target === palette) palette.close(); };
+
   root.onclick = ({ target }) => run[target.dataset.do]?.();
   slider.value = stored('board.look') ?? 0.65;
   slider.oninput = () => canvas.style.setProperty('--look', stored('board.look', slider.value));

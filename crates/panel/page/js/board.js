@@ -2,7 +2,7 @@
 
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
-import { minus, quantity, shape, stored, svg } from './dom.js';
+import { float, minus, partsOf, quantity, shape, stored, svg } from './dom.js';
 import { draw, faceplate } from './faceplate.js';
 import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
@@ -19,13 +19,10 @@ const READABLE = 0.55;
 
 /** @param {HTMLElement} root */
 export function mountBoard(root) {
-  const find = (query) => root.querySelector(query);
-  const [stage, canvas, live, tip, alert, status] = ['stage', 'canvas', 'live', 'tip', 'alert', 'status']
-    .map((name) => find(`.board-${name}`));
-  const [, face, cordLayer, over] = canvas.children;
-  const [tipText, tipButton] = tip.children;
+  const parts = partsOf(root);
+  const { stage, canvas, face, cordLayer, live, tip, tipText, tipButton, alert, status } = parts;
   let plate = {};
-  let drawn = { stops: new Map(), outs: [], lamps: [], width: 1000, height: 600 };
+  let drawn = { stops: new Map(), outs: [], lamps: [] };
   let cords = { stops: new Map() };
   let [notes, index] = [new Map(), new Map()];
   let [isShown, tipped, current, last, timer] = [false, null, null, 0, 0];
@@ -41,9 +38,7 @@ export function mountBoard(root) {
     const value = state.frame?.volts[index.get(output)] ?? NaN;
     return Number.isNaN(value) ? '' : minus(value.toFixed(1));
   }
-  const nameOf = ({ type, element, jack, output, name }) => name ?? { in: `${element}.${jack}`, out: output }[type] ?? element?.name;
-  function describe(one) {
-    const { type, element, view, section, output, key } = one;
+  function describe({ type, name, element, view, section, output, key }) {
     const value = volts(output);
     const { signal, unit, per_volt: perVolt } = state.patch.outputs[index.get(output)] ?? {};
     const list = (names, word) => (names.length ? `${word} ${names.join(', ')}` : 'no cord');
@@ -54,16 +49,14 @@ export function mountBoard(root) {
       module: () => [element.kind, element.note], free: () => [`Free: ${section.title}. Enter adds an element`],
     }[type]?.() ?? [];
     if (value) what.push(`${value} V`, signal && `${signal} = ${quantity(state.frame.volts[index.get(output)] * perVolt, unit, 3)}`);
-    return [nameOf(one), ...what, ...notes.get(key) ?? []].filter(Boolean).join(', ');
+    return [name, ...what, ...notes.get(key) ?? []].filter(Boolean).join(', ');
   }
   const label = (one) => { one.node.ariaLabel = describe(one); };
 
   // What is shown at a place.
   function put(box, point) {
-    zoom.pixels(point).forEach((at, axis) => {
-      const room = [zoom.width - box.offsetWidth, zoom.height - box.offsetHeight][axis];
-      box.style[['left', 'top'][axis]] = `${Math.max(Math.min(at + 15, room - 6), 6)}px`;
-    });
+    const [x, y] = zoom.pixels(point);
+    float(box, x + 15, y + 15, zoom.width, zoom.height);
   }
   function showTip(one, canRemove = !tipButton.hidden) {
     tipped = one;
@@ -98,11 +91,10 @@ export function mountBoard(root) {
     hover(null);
   }
   function bubble(message, point) {
-    alert.hidden = false;
     alert.textContent = message;
     put(alert, point);
     clearTimeout(timer);
-    timer = setTimeout(() => { alert.hidden = true; }, MARKED + 40 * message.length);
+    timer = setTimeout(() => { alert.textContent = ''; }, MARKED + 40 * message.length);
   }
   function placed({ element, jack, from }) {
     const keys = keysOf({ element, jack, from });
@@ -124,17 +116,16 @@ export function mountBoard(root) {
   }
 
   const board = {
-    root, find, canvas, over, say, stop, focus, zoom, hover, bubble, nameOf, render, hasFocus,
+    root, parts, say, stop, focus, zoom, hover, bubble, render,
     stops: [], plugs: [],
     isLocked: () => canvas.dataset.lock === 'true',
     reach: (distance) => distance / Math.min(zoom.scale, 1.4),
     back: () => focus(current?.key),
-    remove(one) {
-      const { type, cord, id, element } = one;
-      const what = { cord: ['unplug', cord], loose: ['remove-loose', { id }], module: ['remove-element', { name: element?.name }] };
-      const [command, rest] = what[type];
-      send({ command, ...rest });
-      say(`Removed ${nameOf(one)}. Undo brings it back.`);
+    remove({ type, cord, id, name }) {
+      const commands = { cord: ['unplug', cord], loose: ['remove-loose', { id }], module: ['remove-element', { name }] };
+      const [command, what] = commands[type];
+      send({ command, ...what });
+      say(`Removed ${name}. Undo brings it back.`);
     },
   };
 

@@ -16,7 +16,7 @@ function mountModes() {
   const [modes, text] = [byId('modes'), byId('mode-text')];
   for (const each of modes.children) {
     each.onclick = () => send({ command: 'mode', mode: each.value });
-    bind(each.getAttribute('aria-keyshortcuts'), each.querySelector('.mode-name').textContent, each.onclick);
+    bind(each.ariaKeyShortcuts, each.querySelector('.mode-name').textContent, each.onclick);
   }
   on('machine', ({ mode, stopped }) => {
     press(modes, ({ value }) => value === mode);

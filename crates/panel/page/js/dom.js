@@ -12,8 +12,7 @@ export function fill(element, attributes, children = []) {
   for (const [name, value] of Object.entries(attributes ?? {})) {
     if ((value ?? false) === false) continue;
     if (typeof value === 'function') element.addEventListener(name.slice(2), value);
-    else if (name === 'value') element.value = value;
-    else element.setAttribute(name, value === true ? '' : String(value));
+    else element.setAttribute(name, value === true ? '' : value);
   }
   element.append(...children.flat().filter((child) => (child ?? false) !== false));
   return element;
@@ -49,10 +48,15 @@ export function filter(nodes, text) {
   for (const node of nodes) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
 }
 
-/** A copy of a template of index.html, and its parts by the names in `data-part`. @returns {Record<string, any>} */
-export function template(id) {
+/** The parts of an element by the names in `data-part`. @returns {Record<string, any>} */
+export const partsOf = (node) => Object.fromEntries(Array.from(node.querySelectorAll('[data-part]'), (part) => [part.dataset.part, part]));
+
+/** A copy of a template of index.html, and its parts. Those in `texts` get these texts. @returns {Record<string, any>} */
+export function template(id, texts = {}) {
   const node = byId(id).content.firstElementChild.cloneNode(true);
-  return { node, ...Object.fromEntries([...node.querySelectorAll('[data-part]')].map((part) => [part.dataset.part, part])) };
+  const parts = partsOf(node);
+  for (const [name, text] of Object.entries(texts)) parts[name].textContent = text;
+  return { node, ...parts };
 }
 
 /** A copy of the drawing in a template, with more attributes. */
@@ -66,11 +70,10 @@ export function write(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Puts a box that floats at a place of the window, or as near as it fits. */
-export function float(box, x, y) {
-  const { width, height } = box.getBoundingClientRect();
-  box.style.left = `${within(8, x, innerWidth - width - 8)}px`;
-  box.style.top = `${within(8, y, innerHeight - height - 8)}px`;
+/** Puts a box that floats at a place of the window or of a smaller area, or as near as it fits. */
+export function float(box, x, y, width = innerWidth, height = innerHeight) {
+  box.style.left = `${within(8, x, width - box.offsetWidth - 8)}px`;
+  box.style.top = `${within(8, y, height - box.offsetHeight - 8)}px`;
 }
 
 /** A button with a text. */
@@ -80,9 +83,9 @@ export function button(text, onclick, attributes) {
 
 /** A number with at most this number of significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
 export function format(number, digits = 4) {
-  if (number === null || number === undefined || Number.isNaN(number)) return '';
+  if (Number.isNaN(number ?? NaN)) return '';
   const size = Math.abs(number);
-  if (size !== 0 && (size < 1e-4 || size >= 1e7)) return number.toExponential(digits - 1).replace(/\.?0+e/, 'e').replace('e+', 'e');
+  if (size && (size < 1e-4 || size >= 1e7)) return number.toExponential(digits - 1).replace(/\.?0+e/, 'e').replace('e+', 'e');
   return String(Number(number.toPrecision(digits)));
 }
 

@@ -1,15 +1,12 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { button, byId, el, fill, quantity } from './dom.js';
+import { button, el, fill, partsOf, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
-import { emit, highlight, on, send, state } from './state.js';
+import { ask, emit, highlight, on, state } from './state.js';
 
-/** The Greek letters from α on; the second sigma is never meant. */
-const LETTERS = ['alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho',
-  'sigma tau upsilon phi chi psi omega'];
-const GREEK = Object.fromEntries(LETTERS.flatMap((names, half) => names.split(' ')
-  .map((name, at) => [name, String.fromCodePoint(945 + 18 * half + at)])));
+/** The Greek letters by their names, from index.html. */
+const letters = new Map();
 /** A number, a name with its primes or with the parenthesis of a function, or a sign. */
 const TOKEN = /\d+(?:\.\d+)?(?:e[+-]?\d+)?|[\p{L}_][\p{L}\d_.]*(?:'+|\()?|\S/gu;
 const PRIMES = ['', '′', '″', '‴'];
@@ -28,12 +25,12 @@ const span = (look, ...children) => el('span', { class: look && `eq-${look}` }, 
 /** A name as mathematics prints it, with a subscript or as a Greek letter: "v_rate", "rho". A name that means something is a button. */
 function nameNode(name) {
   const [base, ...rest] = name.split('_');
-  const printed = [el('i', null, GREEK[base] ?? base), rest.length > 0 && base && el('sub', null, rest.join(' '))];
+  const printed = [el('i', null, letters.get(base) ?? base), rest.length > 0 && base && el('sub', null, rest.join(' '))];
   const at = meaning(name);
   if (!at) return span(null, printed);
   const { output, parameter } = at;
   const node = button(null, (event) => (output ? choose(output, node, event) : highlight(at)), {
-    class: `eq-name eq-${output ? 'output' : 'parameter'}`, 'data-key': output ?? parameter,
+    class: 'eq-name', 'data-output': output, 'data-parameter': parameter,
     'aria-label': name + (output ? ', place a probe' : ', show its knob'),
   });
   return fill(node, null, printed);
@@ -133,32 +130,28 @@ function equation(text) {
 
 /** Shows the equations. @param {HTMLElement} root */
 export function mountEquations(root) {
-  const [message, more, body, stated] = ['.eq-message', '.eq-more', '.eq-body', '#eq-stated'].map((name) => root.querySelector(name));
-  const copies = [['text', () => state.equations.equations.map(({ text }) => text).join('\n')], ['LaTeX', () => state.equations.latex]];
-  body.querySelectorAll('button').forEach((each, at) => {
-    const [name, text] = copies[at];
-    each.onclick = () => navigator.clipboard.writeText(text()).then(() => toast(`The equations are copied as ${name}.`, 'note'),
-      () => toast('The browser does not permit copying.'));
-  });
+  const { message, body, copyText, copyLatex, solved, more, unplaced, stated } = partsOf(root);
+  for (const [, name, letter] of root.dataset.letters.matchAll(/(\S+) (\S+)/g)) letters.set(name, letter);
+  const copy = (text) => navigator.clipboard.writeText(text).then(() => toast('The equations are copied.', 'note'),
+    () => toast('The browser does not permit copying.'));
+  copyText.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
+  copyLatex.onclick = () => copy(state.equations.latex);
   const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));
   const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' },
     el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
   const show = async () => {
     const { equations: view, findings } = state;
     if (!view) return;
-    message.textContent = view.message ?? '';
-    message.hidden = !view.message;
-    root.classList.toggle('is-stale', !message.hidden);
+    message.textContent = view.message;
     if (view.message) return;
     const faults = findings.filter(({ code }) => code === 'equation-not-solved');
-    const lines = faults.length ? (await send({ command: 'text' })).find(({ event }) => event === 'text')?.text.split('\n') : null;
+    const lines = faults.length ? (await ask('text'))?.text.split('\n') : null;
     // A finding says where its equation is in the text of the patch.
     const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
-    byId('eq-solved').replaceChildren(...view.equations.map(({ text }) => row(text)));
+    solved.replaceChildren(...view.equations.map(({ text }) => row(text)));
     more.textContent = view.more.trim();
-    byId('eq-faults').replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
+    unplaced.replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
     stated.replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
-    stated.parentElement.hidden = !view.stated.length;
   };
   // A knob that is turned changes no name, so that the buttons stay and keep the focus.
   let drawn = '';
@@ -169,15 +162,13 @@ export function mountEquations(root) {
     if (text !== drawn) show();
     drawn = text;
   };
-  for (const name of ['equations', 'findings', 'patch']) on(name, refresh);
-  const point = ({ target }) => {
-    const { classList, dataset } = target.closest('.eq-name') ?? {};
-    emit('pointed', dataset ? { [classList.contains('eq-output') ? 'output' : 'parameter']: dataset.key } : {});
-  };
+  on('equations findings patch', refresh);
+  const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
   const leave = () => emit('pointed', {});
   fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
   on('pointed', ({ output, parameter }) => {
-    const key = output ?? parameter;
-    for (const node of body.querySelectorAll('[data-key]')) node.classList.toggle('lit', node.dataset.key === key);
+    for (const node of body.querySelectorAll('.eq-name')) {
+      node.classList.toggle('lit', output ? node.dataset.output === output : parameter && node.dataset.parameter === parameter);
+    }
   });
 }

@@ -141,7 +141,7 @@ export function draw(plate, patch, kinds) {
     const isFull = most !== null && most <= cords?.length;
     const node = shape('jack', { class: `jack ${data.type}${isFull ? ' is-full' : ''}`, ...move([x, y]), ...keyed(key) });
     if (label) node.append(text('jack-label', 0, -15, label, 27));
-    if (key) stops.set(key, { key, node, x, y, ...data });
+    if (key) stops.set(key, { key, node, name, x, y, ...data });
     if (key && data.type === 'out') outs.push({ name, node: text('volts', x, y + 25) });
     return node;
   }
@@ -150,7 +150,7 @@ export function draw(plate, patch, kinds) {
     const key = type && `${type}:${element?.name ?? section.title + index}`;
     const face = svg('g', { class: 'plate', ...keyed(key) }, svg('rect', { width: w, height: h, rx: 4 }),
       text('name', 9, 18, element?.name ?? plate.references[output] ?? part, w - (element?.lamp ? 32 : 14), 8));
-    if (key) stops.set(key, { key, node: face, type, element, section, x: at[0] + 24, y: at[1] + 14, box: [...at, w, h] });
+    if (key) stops.set(key, { key, node: face, type, name: element?.name, element, section, x: at[0] + 24, y: at[1] + 14, box: [...at, w, h] });
     if (element?.lamp) lamps.push({
       output: element.outputs[0], node: svg('circle', { class: 'bulb', r: 5, ...move([at[0] + w - 14, at[1] + 13]) })
     });

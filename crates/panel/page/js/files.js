@@ -8,7 +8,7 @@ import { token } from './link.js';
 import { toast } from './messages.js';
 import { read } from './resources.js';
 import { baseName, share, takeLink, textOf } from './share.js';
-import { ask, on, send, state } from './state.js';
+import { ask, emit, on, send, state } from './state.js';
 
 /** The largest file in bytes, as for the command. */
 const LARGEST_FILE = 16e6;
@@ -36,10 +36,18 @@ async function mayReplace() {
     || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
 }
 
+const isData = ({ name }) => /\.(csv|tsv|txt)$/i.test(name);
+
 const openFile = (file) => attempt(async () => {
   const text = await textOf(file.stream(), LARGEST_FILE, `The file ${file.name}`);
-  if (await mayReplace() && await openText(file.name, text)) setAddress();
+  if (isData(file)) emit('data', { name: file.name, text });
+  else if (await mayReplace() && await openText(file.name, text)) setAddress();
 });
+
+/** Opens files: the patch first, because measured data are compared with it. */
+async function openFiles(files) {
+  for (const file of [...files].sort((a, b) => isData(a) - isData(b))) await openFile(file);
+}
 
 function chooseMachine() {
   const isPresent = ({ name }) => name === state.patch?.machine;
@@ -80,7 +88,7 @@ function mountDrop() {
     // A view that takes files of its own has handled the event.
     if (!hasFile(event) || event.defaultPrevented) return;
     event.preventDefault();
-    openFile(event.dataTransfer.files[0]);
+    openFiles(event.dataTransfer.files);
   });
 }
 
@@ -150,13 +158,13 @@ export function mountFiles() {
   const input = byId('file');
   const choose = () => input.click();
   input.onchange = () => {
-    if (input.files.length) openFile(input.files[0]);
+    openFiles(input.files);
     // The same file can be opened again after a change.
     input.value = '';
   };
   byId('create').onclick = create;
   for (const [id, key, text, run] of [['gallery', 'g', 'Gallery', () => showGallery(GALLERY)], ['new', null, null, chooseMachine],
-    ['open', 'Ctrl+O', 'Open a patch', choose], ['save', 'Ctrl+S', 'Save the patch', save], ['share', null, null, share]]) {
+    ['open', 'Ctrl+O', 'Open a patch or data', choose], ['save', 'Ctrl+S', 'Save the patch', save], ['share', null, null, share]]) {
     byId(id).onclick = run;
     if (key) bind(key, text, run);
   }

@@ -22,12 +22,10 @@ export function pieces() {
 const [dialog, search, body, status] = ['dialog', 'search', 'body', 'status'].map((name) => byId(`gallery-${name}`));
 
 /** A card that opens a patch. Returns its parts. */
-function cardOf(id, picture, title, line, run) {
-  const parts = template(id);
-  const { image, name, about, link } = parts;
+function cardOf(id, picture, texts, run) {
+  const parts = template(id, texts);
+  const { image, link } = parts;
   image.src = addressOf(picture ?? 'icon.svg', 'image/svg+xml');
-  name.textContent = title;
-  about.textContent = line;
   link.onclick = (event) => {
     // The browser opens links in other tabs.
     if (event.ctrlKey || event.metaKey || event.shiftKey) return;
@@ -39,21 +37,19 @@ function cardOf(id, picture, title, line, run) {
 }
 
 function pieceCard({ path, title, line, picture, machine, duration, note, source }, open) {
-  const { node, link, inside, facts } = cardOf('piece', picture, title, line, () => open(path));
+  const texts = { title, line, machine, run: duration && quantity(duration, 's'), note, source, path };
+  const { node, link, inside } = cardOf('piece', picture, texts, () => open(path));
   link.href = `?patch=${path}`;
   inside.ariaLabel = `See inside ${title}`;
-  const rows = Object.entries({ Machine: machine, Run: duration && quantity(duration, 's'), Note: note, Source: source, File: path });
-  facts.append(...rows.filter(([, value]) => value).map(([name, value]) => el('div', null, el('dt', null, name), el('dd', null, value))));
   return node;
 }
 
 function keptCard({ id, title, file, time, path }, all, restore) {
-  const date = new Date(time).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' });
-  const name = title || file;
-  const { node, remove } = cardOf('kept-piece', all.find((piece) => piece.path === path)?.picture, name, date, () => restore(id));
-  remove.ariaLabel = `Delete ${name} of ${date}`;
+  const texts = { title: title || file, line: new Date(time).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' }) };
+  const { node, remove } = cardOf('kept-piece', all.find((piece) => piece.path === path)?.picture, texts, () => restore(id));
+  remove.ariaLabel = `Delete ${texts.title} of ${texts.line}`;
   remove.onclick = async () => {
-    if (!confirm(`Delete “${name}” of ${date} from this browser?`)) return;
+    if (!confirm(`${remove.ariaLabel} from this browser?`)) return;
     await forget(id);
     node.remove();
     search.focus();

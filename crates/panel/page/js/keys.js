@@ -1,6 +1,6 @@
 /** Keys of the page. The table that carries them out is also the list that the page shows. */
 
-import { byId, el, stored } from './dom.js';
+import { byId, el, stored, template } from './dom.js';
 import { cancelProbe } from './state.js';
 
 /** @type {{key: string, text: string, run: (event: KeyboardEvent) => void}[]} */
@@ -44,8 +44,11 @@ function pressed(event) {
 export function startKeys() {
   const [dialog, letters] = [byId('key-list'), byId('letters')];
   const showList = () => {
-    dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => el('div', null,
-      el('dt', null, key.split('+').map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part))), el('dd', null, text))));
+    dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => {
+      const { node, keys } = template('key', { text });
+      keys.append(...key.split('+').map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part)));
+      return node;
+    }));
     dialog.showModal();
   };
   // Speech input can set off single letters by accident, so that they can be switched off.

@@ -1,12 +1,13 @@
 /** The controls of the patch: parameters, pots, switches, initial conditions and other settings. */
 
 import { dial } from './dial.js';
-import { byId, el, filter, template, write } from './dom.js';
-import { highlight, on, refusalOf, send } from './state.js';
+import { byId, filter, template, write } from './dom.js';
+import { highlight, on, refusalOf, send, state } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
 const FILTERED = 12;
-const GROUPS = ['Parameters', 'Pots', 'Switches', 'Initial conditions and other settings', 'Set by parameters'];
+/** The groups of controls in the order of index.html. */
+const [PARAMETERS, POTS, SWITCHES, OTHERS, BY_PARAMETERS] = [0, 1, 2, 3, 4];
 
 /** The values of the patch as it was opened, by the keys of the controls. */
 const opened = new Map();
@@ -22,10 +23,11 @@ const isPlain = (text) => text === null || !Number.isNaN(Number(text));
 const isFormula = ({ form, text }) => form === 'number' && !isPlain(text);
 
 /** The value as a command has it. */
-function content({ form, text, value, words }) {
+function content(view) {
+  const { form, text, value, words } = view;
   if (form === 'flag') return value === 1;
   if (form === 'choice') return words[value];
-  return form && !isPlain(text) ? text : value ?? Number(text);
+  return isFormula(view) ? text : value ?? Number(text);
 }
 
 function isShown({ kind }, { form, name, text }) {
@@ -61,8 +63,8 @@ function take(patch) {
     const { key, place, view } = control;
     if (!opened.has(key)) opened.set(key, content(view));
     // A control stays in its group when its formula is replaced: it must not move while it is being turned.
-    const other = typeof opened.get(key) === 'string' ? 4 : place.setting === 'setting' ? 1 : 3;
-    control.group = place.parameter ? 0 : view.form === 'number' ? other : 2;
+    const other = typeof opened.get(key) === 'string' ? BY_PARAMETERS : place.setting === 'setting' ? POTS : OTHERS;
+    control.group = place.parameter ? PARAMETERS : view.form === 'number' ? other : SWITCHES;
   }
 }
 // Before any other listener, because a pot at the null meter also has a value to which it is reset.
@@ -102,16 +104,14 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
     const turned = patch.elements.filter(({ settings }) => settings.some(({ parameters }) => parameters.includes(place.parameter)));
     write(law, one.text ?? '');
     write(turns, turned.length ? `turns ${turned.map(({ name }) => name).join(', ')}` : '');
-    if (is) lines.dataset.formula = isLocked ? 'locked' : 'unlocked';
-    else delete lines.dataset.formula;
+    lines.dataset.formula = is ? isLocked ? 'locked' : 'unlocked' : 'none';
     knob.lock(isLocked);
   };
   unlock.ariaLabel = `Unlock ${title}. Turning it then replaces the formula`;
   unlock.onclick = () => {
     unlocked.add(key);
     knob.note('');
-    lines.dataset.formula = 'unlocked';
-    knob.lock(false);
+    update(present, state.patch);
     knob.knob.focus();
   };
   return update;
@@ -141,10 +141,10 @@ function cardOf(control) {
   const { key, place, title, about, view } = control;
   const set = (value) => send(place.parameter ? { command: 'parameter', name: title, value } : { command: 'setting', ...place, value });
   const reset = () => set(opened.get(key));
-  const parts = template('knob');
-  const { node, name, back, text } = parts;
-  node.ariaLabel = name.textContent = title;
-  text.title = text.textContent = about;
+  const parts = template('knob', { title, about });
+  const { node, back } = parts;
+  node.ariaLabel = title;
+  parts.about.title = about;
   back.ariaLabel = `Reset ${title}`;
   back.onclick = reset;
   const update = (view.form ?? 'number') === 'number' ? dialOn(parts, control, set, reset) : switchOn(parts, control, set);
@@ -178,19 +178,21 @@ export function mountKnobs() {
   const build = () => {
     cards.clear();
     for (const control of controls) cards.set(control.key, cardOf(control));
-    root.replaceChildren(...GROUPS.flatMap((heading, group) => {
-      const own = controls.filter((control) => control.group === group).map(({ key }) => cards.get(key).node);
-      return own.length ? [el('details', { class: 'knob-group', open: group < 4 },
-        el('summary', {}, heading, el('small', {}, own.length)), el('div', { class: 'knob-grid' }, own))] : [];
-    }));
+    [...root.children].forEach((group, at) => {
+      const own = controls.filter((control) => control.group === at).map(({ key }) => cards.get(key).node);
+      group.querySelector('small').textContent = own.length;
+      group.lastChild.replaceChildren(...own);
+      group.open = at !== BY_PARAMETERS;
+    });
     search.value = '';
     search.hidden = controls.length <= FILTERED;
+    search.oninput();
   };
   search.oninput = () => {
-    filter([...cards.values()].map(({ node }) => node), search.value);
+    filter(root.querySelectorAll('.knob'), search.value);
     for (const group of root.children) {
       group.hidden = !group.querySelector('.knob:not([hidden])');
-      group.open ||= search.value !== '';
+      group.open ||= search.value;
     }
   };
   on('patch', (patch) => {

@@ -1,5 +1,6 @@
 /** The clock of the panel: one `advance` for each picture, and never two on their way. */
 
+import { within } from './dom.js';
 import { on, send, state } from './state.js';
 
 /** The longest time that one advance covers, in seconds. After a pause of the page the machine does not jump. */
@@ -13,15 +14,14 @@ let last = performance.now();
 let lively = 0;
 let isWaiting = false;
 
-function moves() {
-  return state.frame ? state.frame.moves && !state.frame.paused : true;
-}
+
 
 function tick(now) {
   requestAnimationFrame(tick);
   if (isWaiting || document.hidden || !state.host || !state.patch) return;
-  if (!moves() && now > lively && now - last < RESTING) return;
-  const seconds = Math.min(Math.max((now - last) / 1000, 0), LONGEST);
+  const rests = state.frame && (!state.frame.moves || state.frame.paused);
+  if (rests && now > lively && now - last < RESTING) return;
+  const seconds = within(0, (now - last) / 1000, LONGEST);
   last = now;
   isWaiting = true;
   send({ command: 'advance', seconds }).then(() => { isWaiting = false; });
@@ -29,6 +29,6 @@ function tick(now) {
 
 /** Starts the clock. */
 export function startLoop() {
-  for (const name of ['patch', 'machine', 'scopes']) on(name, () => { lively = performance.now() + LIVELY; });
+  on('patch machine scopes', () => { lively = performance.now() + LIVELY; });
   requestAnimationFrame(tick);
 }

@@ -1,6 +1,7 @@
 /** Puts the page together. */
 
 import { mountBoard } from './board.js';
+import { mountCheck } from './check.js';
 import { mountControls, press } from './controls.js';
 import { byId, root, stored } from './dom.js';
 import { mountEquations } from './equations.js';
@@ -9,6 +10,7 @@ import { bind, startKeys } from './keys.js';
 import { mountKnobs } from './knobs.js';
 import { mountLamps } from './lamps.js';
 import { startLoop } from './loop.js';
+import { mountMeasured } from './measured.js';
 import { mountMessages } from './messages.js';
 import { mountMeters } from './meters.js';
 import { mountSchematic } from './schematic.js';
@@ -29,7 +31,7 @@ function mountTabs() {
   const panelOf = (tab) => byId(tab.getAttribute('aria-controls'));
   const select = (chosen) => {
     for (const tab of tabs) {
-      tab.setAttribute('aria-selected', tab === chosen);
+      tab.ariaSelected = tab === chosen;
       tab.tabIndex = tab === chosen ? 0 : -1;
       panelOf(tab).hidden = tab !== chosen;
     }
@@ -55,7 +57,7 @@ function mountTabs() {
   // A finding about an equation has no place at the panel. The schematic has all other places.
   on('highlight', ({ element, equation }) => {
     if (equation) select(tabs[2]);
-    else if (element && (root.dataset.layout === 'scopes' || !byId('equations').hidden)) select(byId('board').hidden ? tabs[0] : tabs[1]);
+    else if (element && (root.dataset.layout === 'scopes' || (byId('schematic').hidden && byId('board').hidden))) select(byId('board').hidden ? tabs[0] : tabs[1]);
   });
 }
 
@@ -66,23 +68,19 @@ function sendViews() {
 
 /** Theme and projector mode, which theme.js keeps. */
 function mountAppearance() {
-  const theme = byId('theme');
+  const [theme, projector] = [byId('theme'), byId('projector')];
   theme.value = stored('theme') ?? 'system';
-  const projector = byId('projector');
-  const isLarge = () => root.hasAttribute('data-projector');
+  projector.ariaPressed = stored('projector') === 'true';
   const set = (key, value) => {
     stored(key, value);
     root.dispatchEvent(new Event('themeset'));
   };
   theme.onchange = () => set('theme', theme.value);
-  projector.onclick = () => set('projector', !isLarge());
-  bind('l', 'Large type for a projector', projector.onclick);
-  const show = () => {
-    projector.ariaPressed = isLarge();
-    emit('theme', root.dataset.theme);
+  projector.onclick = () => {
+    projector.ariaPressed = projector.ariaPressed !== 'true';
+    set('projector', projector.ariaPressed);
   };
-  root.addEventListener('themechange', show);
-  show();
+  bind('l', 'Large type for a projector', projector.onclick);
 }
 
 function mountTitle() {
@@ -128,6 +126,8 @@ mountLamps();
 mountSchematic(byId('schematic'));
 mountBoard(byId('board'));
 mountEquations(byId('equations'));
+mountMeasured();
+mountCheck(byId('check'));
 mountTabs();
 mountAppearance();
 mountPopovers();

@@ -1,7 +1,7 @@
 /** Findings of the checker, refusals, and the state of the connection. */
 
 import { byId, float, root, template, write } from './dom.js';
-import { highlight, on, state } from './state.js';
+import { highlight, on, send, state } from './state.js';
 
 /** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
 const SHOWN = 4000;
@@ -13,29 +13,42 @@ export function placeName({ element, jack, setting, parameter }) {
 }
 
 function findingItem({ code, severity, message, hint, place }) {
-  const { node, name, text, remedy, place: show, equations } = template('finding');
+  const { node, seek, equations } = template('finding', { severity, message, hint, seek: place && `Show ${placeName(place)}` });
   node.classList.add(severity);
-  name.textContent = severity === 'error' ? 'Error' : 'Warning';
-  text.textContent = message;
-  remedy.textContent = hint;
-  show.hidden = !place;
-  show.textContent = `Show ${placeName(place ?? {})}`;
-  show.onclick = () => highlight(place);
+  seek.onclick = () => highlight(place);
   equations.hidden = code !== 'equation-not-solved';
   equations.onclick = () => highlight({ equation: true });
   return node;
 }
 
 function count(number, word) {
-  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : null;
+  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : '';
 }
 
 function showFindings() {
   const errors = state.findings.filter(({ severity }) => severity === 'error').length;
   const summary = [count(errors, 'error'), count(state.findings.length - errors, 'warning')].filter(Boolean).join(', ');
   byId('findings').replaceChildren(...state.findings.map(findingItem));
+  byId('correct').hidden = !state.findings.some(({ code }) => code.startsWith('equation-'));
   byId('checks').dataset.worst = errors ? 'error' : summary ? 'warning' : 'none';
   write(byId('checks-text'), summary || 'The patch has no faults');
+}
+
+/** Searches for corrections, which takes seconds. They are in the hints of the findings. */
+async function findCorrections() {
+  const correct = byId('correct');
+  if (correct.ariaBusy === 'true') return;
+  correct.ariaBusy = true;
+  write(byId('checks-text'), 'Searching for corrections…');
+  const hints = () => state.findings.map(({ hint }) => hint).join();
+  const before = hints();
+  const answer = await send({ command: 'advise' });
+  correct.ariaBusy = false;
+  showFindings();
+  if (answer.length === 0) return;
+  if (hints() === before) toast('No single change corrects the equations.', 'note');
+  correct.hidden = true;
+  byId('findings').focus();
 }
 
 /** Where the user looks: the pointer, or the control with the focus if a key was the last input. */
@@ -49,9 +62,8 @@ function place(box) {
 
 /** Shows a message near the pointer and reads it out. A message stays while the pointer is on it. */
 export function toast(message, kind = 'error') {
-  const { node: box, text, close } = template('toast');
+  const { node: box, close } = template('toast', { message });
   box.classList.add(kind);
-  text.textContent = message;
   close.onclick = () => box.remove();
   byId('toasts').replaceChildren(box);
   place(box);
@@ -71,6 +83,7 @@ export function mountMessages(reconnect) {
   for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
   document.addEventListener('keydown', () => { pointer = null; });
   byId('link').lastChild.onclick = reconnect;
+  byId('correct').onclick = findCorrections;
   on('findings', showFindings);
   on('refused', ({ message, place: where }) => {
     // The patch panel shows it at the jack.
@@ -81,5 +94,5 @@ export function mountMessages(reconnect) {
     byId('link').hidden = connected;
     write(byId('link').firstChild, message);
   });
-  on('probing', ({ active }) => root.toggleAttribute('data-probing', active));
+  on('probing', (waits) => root.toggleAttribute('data-probing', waits));
 }

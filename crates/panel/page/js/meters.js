@@ -31,7 +31,7 @@ function meterOf(title, connect) {
     selectProbe(connect);
     probe.ariaPressed = true;
   };
-  on('probing', ({ active }) => { if (!active) probe.ariaPressed = false; });
+  on('probing', (waits) => { if (!waits) probe.ariaPressed = false; });
   return {
     node, outputs,
     /** Sets the ends of the scale. */

@@ -15,7 +15,7 @@ const isJack = ({ type }) => type === 'in' || type === 'out';
 
 /** @param {any} board what board.js has */
 export function mountPatching(board) {
-  const { canvas, over, say, stop } = board;
+  const { say, stop, parts: { canvas, over } } = board;
   let press = null;
   /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
   let hand = null;
@@ -41,7 +41,7 @@ export function mountPatching(board) {
     lay(draft, fixed, fixed);
     over.append(draft);
     board.hover(null, null);
-    say(`Cord from ${board.nameOf(fixed)}: choose an ${hand.want}put. Escape cancels.`);
+    say(`Cord from ${fixed.name}: choose an ${hand.want}put. Escape cancels.`);
   }
   /** Takes what is there: a plug out of its jack, a loose plug, or the first end of a new cord. */
   function begin(hit, isNew) {

@@ -61,7 +61,7 @@ export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
     menu.close();
   }, { 'aria-pressed': String(now === output), 'data-look': look }));
   menu.replaceChildren(el('h2', { id: 'probe-title' }, outputName(output)), ...items);
-  menu.onclick = ({ target }) => { if (target === menu) menu.close(); };
+
   menu.onkeydown = ({ key }) => {
     const by = { ArrowDown: 1, ArrowUp: -1 }[key];
     if (by) items.at((items.indexOf(document.activeElement) + by) % items.length).focus();

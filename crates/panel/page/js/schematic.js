@@ -1,6 +1,6 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { fill, minus, shape, svg, within, write } from './dom.js';
+import { fill, minus, partsOf, shape, svg, within, write } from './dom.js';
 import { lookOf } from './lamps.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
@@ -22,17 +22,17 @@ const RINGED = 4000;
 
 /** A primitive as `Schematic::to_live_json` has it. */
 function primitive([form, ink, ...rest]) {
-  const line = { class: `ink-${ink}`, fill: 'none', 'stroke-width': rest[0] };
+  const line = { class: `ink-${ink}`, 'stroke-width': rest[0] };
   const filled = { class: `fill-${ink}` };
-  const circle = (look, [cx, cy, r]) => svg('circle', { ...look, cx, cy, r });
-  switch (form) {
-    case 'line': return svg('polyline', { ...line, points: rest[1] });
-    case 'area': return svg('polygon', { ...filled, points: rest[0] });
-    case 'ring': return circle(line, rest.slice(1));
-    case 'disc': return circle(filled, rest);
-  }
-  const [size, anchor, x, y, text, setting] = rest;
-  return svg('text', { ...filled, x, y, 'font-size': size, 'text-anchor': anchor, 'data-setting': setting }, text);
+  const circle = (look, cx, cy, r) => svg('circle', { ...look, cx, cy, r });
+  return {
+    line: (_, points) => svg('polyline', { ...line, points }),
+    area: (points) => svg('polygon', { ...filled, points }),
+    ring: (_, ...place) => circle(line, ...place),
+    disc: (...place) => circle(filled, ...place),
+    text: (size, anchor, x, y, text, setting) =>
+      svg('text', { ...filled, x, y, 'font-size': size, 'text-anchor': anchor, 'data-setting': setting }, text),
+  }[form](...rest);
 }
 
 /** A box around an area, with so much space. */
@@ -67,10 +67,7 @@ function voltsText(volts) {
 
 /** Shows the schematic. @param {HTMLElement} root */
 export function mountSchematic(root) {
-  const [nets, symbols, outputs, marks] = ['nets', 'symbols', 'outputs', 'marks'].map((name) => svg('g', { class: name }));
-  const picture = root.querySelector('svg');
-  const [info, message] = root.querySelectorAll('p');
-  picture.append(nets, symbols, outputs, marks);
+  const { picture, nets, symbols, outputs, marks, info, message } = partsOf(root);
   const zoom = new Zoom(root, [picture], 0, READABLE);
 
   /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
@@ -87,9 +84,8 @@ export function mountSchematic(root) {
   };
   const showInfo = () => {
     const cell = cells.get(lit);
-    info.hidden = !cell;
     const to = cell?.net?.to.map((end) => end.join(' ')).join(', ');
-    if (cell) write(info, [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  '));
+    write(info, cell ? [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  ') : '');
   };
   const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
   /** Writes what has changed. */
@@ -133,7 +129,7 @@ export function mountSchematic(root) {
   const under = ({ target }) => target.closest?.('[data-output]')?.dataset.output ?? null;
   const hasFocus = () => picture.contains(document.activeElement);
   const rove = (name) => {
-    for (const [each, { nodes }] of cells) nodes.output.setAttribute('tabindex', each === name ? 0 : -1);
+    for (const [each, { nodes }] of cells) nodes.output.tabIndex = each === name ? 0 : -1;
     focused = name;
   };
   const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
@@ -157,7 +153,7 @@ export function mountSchematic(root) {
       if (!cell) return;
       rove(name);
       const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
-      fill(cell.nodes.output, { 'aria-label': [outputName(name), valueText(name), ...said].filter(Boolean).join(', ') });
+      cell.nodes.output.ariaLabel = [outputName(name), valueText(name), ...said].filter(Boolean).join(', ');
       zoom.reveal(cell);
       point(name);
     },
@@ -215,18 +211,18 @@ export function mountSchematic(root) {
       return tip;
     });
     const flags = state.findings.map(({ severity, message: text, place: where }) => {
-      const { at, area } = (where?.element && spot(where)) || {};
+      const { at, area } = spot(where ?? {}) ?? {};
       if (!area) return null;
       const [x, y] = at ?? [area[0] + 4, area[1] + 4];
-      const label = `${severity === 'error' ? 'Error' : 'Warning'} at ${placeName(where)}: ${text}`;
+      const label = `${severity} at ${placeName(where)}: ${text}`;
       const transform = `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})`;
       return fill(shape(`mark-${severity}`), { role: 'img', 'aria-label': label, transform }, [svg('title', null, text)]);
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
-  for (const name of ['scopes', 'machine', 'findings']) on(name, showMarks);
+  on('scopes machine findings', showMarks);
   on('highlight', (where) => {
-    const { at, area } = (where.element && spot(where)) || {};
+    const { at, area } = spot(where) ?? {};
     if (!area) return;
     const [left, top, right, bottom] = area;
     ring = around(area, at ? 13 : 8, 'ring');
@@ -269,8 +265,7 @@ export function mountSchematic(root) {
   };
   on('schematic', ({ drawing: next, message: text }) => {
     picture.toggleAttribute('data-stale', !next);
-    message.hidden = !text;
-    message.textContent = text ?? '';
+    message.textContent = text;
     if (!next) return;
     const isOther = !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
     drawing = next;

@@ -83,12 +83,12 @@ export function mountControls({ controls: root, base, summary }, model, change, 
       else act[target.dataset.act]?.(target.checked);
     });
   }
-  root.addEventListener('click', ({ target }) => {
+  root.onclick = ({ target }) => {
     const button = target.closest('button');
     if (!button) return;
     act[button.dataset.act](Number(button.parentElement.dataset.channel));
     button.closest('details')?.removeAttribute('open');
-  });
+  };
   const step = (controls, channel, value, direction) => {
     const owner = controls.channels[channel];
     if (owner) setVolts(owner, nextOf(scales[channel], value ?? owner.volts_per_division, direction));
@@ -110,7 +110,7 @@ export function mountControls({ controls: root, base, summary }, model, change, 
       else if (control.localName === 'select') {
         select(control, value ?? '', typeof value === 'number' ? quantity(value, channel < 0 ? 's' : 'V', 3) : value);
       } else control.value = Number(value.toPrecision(6));
-      if (key === 'position') control.setAttribute('aria-valuetext', quantity(value, 'divisions', 2));
+      if (key === 'position') control.ariaValueText = quantity(value, 'divisions', 2);
     }
     root.dataset.display = display;
     const names = { run: 'Trigger: run', level: 'Trigger: ', 'single-shot': 'Single: ' };

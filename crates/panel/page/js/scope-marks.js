@@ -1,9 +1,9 @@
 /** Marks on the screen of a scope that pointer and keys move: cursors and the trigger level. */
 
 import { fill, within } from './dom.js';
+import { ARROWS } from './zoom.js';
 
-/** The arrow keys, as steps to the right and upwards. */
-const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
 
 /**
  * Lets a mark be moved. `move` gets shares of the graticule, from its lower left corner.
@@ -25,11 +25,11 @@ export function mountMark(mark, screen, move, where) {
     },
     onkeydown(event) {
       const step = event.shiftKey ? 0.05 : 0.002;
-      const [right, up] = KEYS[event.key] ?? [];
-      if (right === undefined) return;
+      const way = ARROWS[event.key];
+      if (!way) return;
       event.preventDefault();
       const [x, y] = where();
-      to(x + right * step, y + up * step);
+      to(x + way[0] * step, y - way[1] * step);
     },
   });
 }
@@ -38,5 +38,6 @@ export function mountMark(mark, screen, move, where) {
 export function placeMark(mark, { x, y, across, up }, [right, top], share, text) {
   mark.style.left = `${x + right * across}px`;
   mark.style.top = `${y + (1 - top) * up}px`;
-  fill(mark, { 'aria-valuenow': (100 * share).toFixed(1), 'aria-valuetext': text });
+  mark.ariaValueNow = (100 * share).toFixed(1);
+  mark.ariaValueText = text;
 }

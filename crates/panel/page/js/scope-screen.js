@@ -26,43 +26,39 @@ function palette(element) {
   return { grid, ink, bad, traces, glow: 6, font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8 };
 }
 
-/** The beam: lines with a brightness. Lines of one brightness that follow each other are one path. */
-class Beam {
-  constructor(context, { view, colours }, channel, strength) {
-    Object.assign(this, { context, colours, strength, colour: colours.traces[channel], level: -1 });
-    clip(context, view);
-    context.lineJoin = 'round';
-  }
-
-  line(x1, y1, x2, y2, level) {
-    const { context } = this;
-    // Lines of one path do not add up where they cross, those of two do.
-    if (level !== this.level || this.lines > 200) {
-      this.paint();
-      Object.assign(this, { level, x: NaN, lines: 0 });
-      context.beginPath();
-    }
-    if (x1 !== this.x || y1 !== this.y) context.moveTo(x1, y1);
-    context.lineTo(x2, y2);
-    Object.assign(this, { x: x2, y: y2, lines: this.lines + 1 });
-  }
-
-  paint() {
-    const { context, colours, level } = this;
-    if (level < 0) return;
-    const bright = this.strength * (0.22 + (0.78 * Math.min(level, LEVELS - 1)) / (LEVELS - 1));
-    context.strokeStyle = level === LEVELS ? colours.bad : this.colour;
+/** A beam draws lines with a brightness. Lines of one brightness that follow each other are one path. */
+function beamOf(context, { view, colours }, channel, strength) {
+  let [present, x, y, lines] = [-1, NaN, NaN, 0];
+  clip(context, view);
+  context.lineJoin = 'round';
+  function paint() {
+    if (present < 0) return;
+    const bright = strength * (0.22 + (0.78 * Math.min(present, LEVELS - 1)) / (LEVELS - 1));
+    context.strokeStyle = present === LEVELS ? colours.bad : colours.traces[channel];
     for (const [lineWidth, globalAlpha] of [[colours.glow, 0.25 * (bright - 0.3)], [1.6, bright]]) {
       if (!lineWidth || globalAlpha <= 0) continue;
       Object.assign(context, { lineWidth, globalAlpha });
       context.stroke();
     }
   }
-
-  end() {
-    this.paint();
-    this.context.restore();
-  }
+  return {
+    line(x1, y1, x2, y2, level) {
+      // Lines of one path do not add up where they cross, those of two do.
+      if (level !== present || lines > 200) {
+        paint();
+        [present, x, lines] = [level, NaN, 0];
+        context.beginPath();
+      }
+      if (x1 !== x || y1 !== y) context.moveTo(x1, y1);
+      context.lineTo(x2, y2);
+      [x, y] = [x2, y2];
+      lines += 1;
+    },
+    end() {
+      paint();
+      context.restore();
+    },
+  };
 }
 
 /**
@@ -73,7 +69,7 @@ function drawColumns(context, scene, columns, channel, from, to, strength) {
   const { view, model } = scene;
   const { gain, zero } = scales(view, model.controls)[channel];
   const width = view.across / model.trace.total;
-  const beam = new Beam(context, scene, channel, strength);
+  const beam = beamOf(context, scene, channel, strength);
   let [way, rise, bright, x, y] = [0, 0, LEVELS - 1, view.x + from * width, NaN];
   for (let at = from; at < to; at += 1) {
     const [low, high] = [columns[2 * at], columns[2 * at + 1]];
@@ -108,9 +104,7 @@ class Pen {
   }
 
   reset() {
-    this.x = this.y = NaN;
-    this.seconds = this.time = this.way = this.level = 0;
-    this.exposure = 1;
+    Object.assign(this, { x: NaN, y: NaN, seconds: 0, time: 0, way: 0, level: 0, exposure: 1 });
   }
 
   /** A long curve is drawn darker, so that it shows where it is dense. What is already drawn follows. */
@@ -125,7 +119,7 @@ class Pen {
     const { view, model: { trace: { points }, controls, lit } } = scene;
     const [across, up] = scales(view, controls);
     this.expose(context, view);
-    const beam = new Beam(context, scene, 0, strength * this.exposure);
+    const beam = beamOf(context, scene, 0, strength * this.exposure);
     for (let at = 3 * from; at < 3 * to; at += 3) {
       const [volts, other, seconds] = [points[at], points[at + 1], points[at + 2]];
       const [x, y] = [across.zero + across.gain * volts, up.zero + up.gain * other];
@@ -204,12 +198,12 @@ export class Screen {
   }
 
   resize() {
-    const { box, layers, model } = this;
-    const { clientWidth: width, clientHeight: height } = box;
-    this.colours = palette(box);
-    this.view = layout(width, height, 1.9 * this.colours.size, model.controls?.display === 'plane');
+    const { box: { clientWidth, clientHeight }, layers, model } = this;
+    this.colours = palette(this.box);
+    this.view = layout(clientWidth, clientHeight, 1.9 * this.colours.size, model.controls?.display === 'plane');
     for (const context of layers) {
-      [context.canvas.width, context.canvas.height] = [width, height].map((size) => Math.round(size * devicePixelRatio));
+      context.canvas.width = Math.round(clientWidth * devicePixelRatio);
+      context.canvas.height = Math.round(clientHeight * devicePixelRatio);
       context.scale(devicePixelRatio, devicePixelRatio);
     }
     this.isStale = true;

@@ -193,7 +193,7 @@ export function mountScope(root, index) {
     const texts = outputs.map((output, channel) => output && [`${nameOf(output)}: ${reading(volts[channel], output)}`,
       reading(controls.channels[channel].volts_per_division, output, '/div'), lit[channel] && 'overloaded'].filter(Boolean).join(', '));
     const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${quantity(span / ACROSS, 's', 3)}/div`;
-    picture.setAttribute('aria-label', `Scope ${index + 1}, ${kind}. ${texts.filter(Boolean).join('. ') || 'No probe'}`);
+    picture.ariaLabel = `Scope ${index + 1}, ${kind}. ${texts.filter(Boolean).join('. ') || 'No probe'}`;
   }
 
   fill(node, { onfocusin: ({ target }) => { active = Number(target.parentElement.dataset.channel ?? active); } });

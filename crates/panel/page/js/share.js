@@ -1,12 +1,14 @@
 /** The patch in a link: compressed in the part of the address that browsers do not send to servers. */
 
-import { byId } from './dom.js';
+import { byId, partsOf } from './dom.js';
 import { ask, state } from './state.js';
 
 /** The largest text of a patch in a link, in bytes. */
 const LARGEST_IN_LINK = 1e6;
 /** Some programs cut longer links. */
 const LONG_LINK = 8000;
+
+const dialog = byId('share-dialog');
 
 /** The text of a stream, which is not read further than the limit. Rejects with a message if it is larger or no text. */
 export async function textOf(stream, limit, name) {
@@ -31,9 +33,7 @@ export async function textOf(stream, limit, name) {
 const through = (data, stream) => new Blob([data]).stream().pipeThrough(stream);
 
 /** Compresses a text. */
-export async function deflate(text) {
-  return new Uint8Array(await new Response(through(text, new CompressionStream('deflate-raw'))).arrayBuffer());
-}
+export const deflate = (text) => new Response(through(text, new CompressionStream('deflate-raw'))).bytes();
 
 /** The text of compressed bytes. Rejects if they are wrong or the text is larger than the limit. */
 export const inflate = (bytes, limit) => textOf(through(bytes, new DecompressionStream('deflate-raw')), limit, 'The patch in the link');
@@ -51,7 +51,7 @@ export async function takeLink() {
   if (coded === null) return null;
   history.replaceState(null, '', location.pathname + location.search);
   try {
-    const bytes = Uint8Array.from(atob(coded.replaceAll('-', '+').replaceAll('_', '/')), (char) => char.charCodeAt(0));
+    const bytes = Uint8Array.fromBase64(coded, { alphabet: 'base64url' });
     return { name: baseName(fragment.get('name') ?? '').slice(-80) || 'shared.json', text: await inflate(bytes, LARGEST_IN_LINK) };
   } catch (fault) {
     throw fault.name === 'Error' ? fault : new Error('The patch in the link cannot be read. Copy the complete link.');
@@ -60,25 +60,25 @@ export async function takeLink() {
 
 /** Copies the link. Pages without encryption have no clipboard, but they can copy what is selected. */
 async function copy() {
-  const field = byId('share-link');
-  const isCopied = await navigator.clipboard?.writeText(field.value).then(() => true, () => false);
-  if (!isCopied) field.select();
-  byId('share-status').textContent = isCopied || document.execCommand('copy') ? 'The link is copied.' : 'Select the link and copy it.';
+  const { link, status } = partsOf(dialog);
+  const isCopied = await navigator.clipboard?.writeText(link.value).then(() => true, () => false);
+  if (!isCopied) link.select();
+  status.textContent = isCopied || document.execCommand('copy') ? 'The link is copied.' : 'Select the link and copy it.';
 }
 
 /** Copies the link of the present patch, and shows it. The address has no token, because only its path is used. */
 export async function share() {
   const patch = await ask('text');
   if (!patch) return;
-  const data = btoa(Array.from(await deflate(patch.text), (byte) => String.fromCharCode(byte)).join(''));
-  const coded = data.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
+  const coded = (await deflate(patch.text)).toBase64({ alphabet: 'base64url', omitPadding: true });
   const url = `${location.href.split(/[?#]/)[0]}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
-  byId('share-link').value = url;
-  byId('share-server').hidden = state.host?.kind !== 'server' && location.protocol !== 'file:';
-  byId('share-long').hidden = url.length <= LONG_LINK;
-  byId('share-system').hidden = !navigator.share;
-  byId('share-system').onclick = () => navigator.share({ url }).catch(() => {});
-  byId('share-copy').onclick = copy;
-  byId('share-dialog').showModal();
+  const { link, server, long, system, again } = partsOf(dialog);
+  link.value = url;
+  server.hidden = state.host?.kind !== 'server' && location.protocol !== 'file:';
+  long.hidden = url.length <= LONG_LINK;
+  system.hidden = !navigator.share;
+  system.onclick = () => navigator.share({ url }).catch(() => {});
+  again.onclick = copy;
+  dialog.showModal();
   copy();
 }

@@ -17,11 +17,12 @@ const LISTS = ['findings', 'scopes'];
 const listeners = new Map();
 
 /**
- * Calls the listener with the data of each event of this name. The page adds `frame`,
- * `link` ({connected, message}), `highlight` (a place), `probing` ({active}) and `theme`.
+ * Calls the listener with the data of each event of these names. The page adds `frame`,
+ * `link` ({connected, message}), `highlight` (a place), `probing` (whether a probe waits) and `saved`.
+ * @param {string} names one or several, with blanks between them
  */
-export function on(name, listener) {
-  listeners.set(name, [...listeners.get(name) ?? [], listener]);
+export function on(names, listener) {
+  for (const name of names.split(' ')) listeners.set(name, [...listeners.get(name) ?? [], listener]);
 }
 
 /** Calls the listeners. A fault in one of them does not keep the others from running. */
@@ -77,7 +78,7 @@ export const eventOf = (events, name) => events.find(({ event }) => event === na
 export const refusalOf = (events) => eventOf(events, 'refused')?.message;
 
 /** Sends a command that is answered by an event of the same name. Resolves with this event, if there is one. */
-export const ask = async (command) => eventOf(await send({ command }), command);
+export const ask = async (command, fields) => eventOf(await send({ command, ...fields }), command);
 
 async function pump() {
   if (isOpen || waiting.length === 0 || !state.host) return;
@@ -136,7 +137,7 @@ let probe = null;
  */
 export function selectProbe(listener) {
   probe = listener;
-  emit('probing', { active: true });
+  emit('probing', true);
 }
 
 /** A view reports a click on an output. */
@@ -149,7 +150,7 @@ export function probed(output) {
 export function cancelProbe() {
   if (!isProbing()) return;
   probe = null;
-  emit('probing', { active: false });
+  emit('probing', false);
 }
 
 export const isProbing = () => probe !== null;

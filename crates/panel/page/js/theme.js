@@ -6,7 +6,7 @@
     const chosen = localStorage.getItem('patchcord.theme') ?? 'system';
     root.dataset.theme = chosen === 'system' ? (dark.matches ? 'dark' : 'light') : chosen;
     root.toggleAttribute('data-projector', localStorage.getItem('patchcord.projector') === 'true');
-    root.dispatchEvent(new Event('themechange'));
+
   };
   dark.addEventListener('change', show);
   root.addEventListener('themeset', show);
