@@ -10,13 +10,13 @@ use crate::docs::sources;
 
 /// The crates in order. Each may depend on earlier ones, except that [`INDEPENDENT`] crates do not depend on each
 /// other.
-const CRATES: [&str; 10] =
-    ["expr", "core", "equations", "analysis", "draw", "panel", "server", "ident", "thesis", "web"];
+const CRATES: [&str; 11] =
+    ["expr", "core", "equations", "analysis", "draw", "ident", "compare", "panel", "server", "thesis", "web"];
 /// Crates that do not depend on each other.
 const INDEPENDENT: [&str; 2] = ["ident", "thesis"];
 
 /// The top-level modules of each crate in order. Each may import earlier ones.
-const MODULES: [(&str, &[&str]); 10] = [
+const MODULES: [(&str, &[&str]); 11] = [
     ("expr", &["number_text", "function", "units", "formula"]),
     (
         "core",
@@ -87,8 +87,8 @@ const MODULES: [(&str, &[&str]); 10] = [
     (
         "panel",
         &[
-            "limits", "pages", "scope", "command", "frame", "event", "compiled", "wiring", "patches",
-            "places", "document", "view", "session",
+            "limits", "pages", "one_file", "scope", "command", "frame", "event", "compiled", "wiring",
+            "patches", "places", "document", "view", "session",
         ],
     ),
     (
@@ -99,7 +99,10 @@ const MODULES: [(&str, &[&str]); 10] = [
             "names",
             "headers",
             "browsers",
-            "session_thread",
+            "worker",
+            "engines",
+            "service",
+            "reasons",
             "socket",
             "host",
             "routes",
@@ -110,6 +113,23 @@ const MODULES: [(&str, &[&str]); 10] = [
     (
         "ident",
         &["statistics", "data", "effects", "fit", "residuals", "localise", "design", "search", "report"],
+    ),
+    (
+        "compare",
+        &[
+            "command",
+            "limits",
+            "event",
+            "message",
+            "experiment",
+            "suggestion",
+            "columns",
+            "whole_runs",
+            "curves",
+            "searching",
+            "found",
+            "session",
+        ],
     ),
     ("thesis", &["slideway", "chain", "replay"]),
     ("web", &[]),

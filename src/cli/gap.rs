@@ -17,13 +17,14 @@ use super::{effects, gap_check, gap_report, print, print_json};
 use patchcord::document::escape_controls;
 use patchcord::ident::Experiment;
 use patchcord::ident::design::detectability::{Detectability, detectable_effects};
+use patchcord::ident::effects::Library;
 use patchcord::ident::effects::effect_sites::EffectSites;
-use patchcord::ident::effects::{Library, PlacedEffect};
 use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::report::Report;
 use patchcord::ident::report::check_document::CheckDocument;
-use patchcord::ident::report::labels::{effect_label, effect_labels};
-use patchcord::ident::search::progress::{Progress, SearchPhase};
+use patchcord::ident::report::progress::{findings_text, phase_text};
+use patchcord::ident::report::reasons::no_run_sentence;
+use patchcord::ident::search::progress::Progress;
 use patchcord::ident::search::{Outcome, SearchSettings, search};
 
 #[derive(Args)]
@@ -92,34 +93,12 @@ impl Arguments {
     }
 }
 
-/// The current phase of a search in words.
-fn phase_text(phase: SearchPhase, round: usize) -> String {
-    match phase {
-        SearchPhase::Base => "fitting the patch".to_owned(),
-        SearchPhase::Quick => format!("effects tried quickly, round {round}"),
-        SearchPhase::Full => format!("best effects fitted, round {round}"),
-        SearchPhase::Growing => format!("best effects fitted step by step, round {round}"),
-        SearchPhase::Localisation => "locating the missing effect".to_owned(),
-        _ => "searching".to_owned(),
-    }
-}
-
-/// What a search has found so far: the effects in the patch, and the best one of the round. Empty at first.
-fn findings_text(added: &[PlacedEffect], best: Option<&PlacedEffect>) -> String {
-    let mut texts = Vec::new();
-    if !added.is_empty() {
-        texts.push(format!("in the patch: {}", effect_labels(added).join(" and ")));
-    }
-    texts.extend(best.map(|best| format!("best so far: {}", effect_label(best))));
-    escape_controls(&texts.join("; "))
-}
-
 /// Shows the progress of a search and what it has found so far.
 ///
 /// Work that cannot be counted is shown as text.
 fn show(bar: &ProgressBar, progress: &Progress) {
     let text = phase_text(progress.phase, progress.round);
-    bar.set_note(findings_text(&progress.added, progress.best.as_ref()));
+    bar.set_note(escape_controls(&findings_text(&progress.added, progress.best.as_ref())));
     match progress.total {
         0 => bar.busy(&text),
         total => {
@@ -137,11 +116,7 @@ fn search_settings<'a>(arguments: &Arguments, library: &'a Library) -> SearchSet
 
 /// The failure if no starting point gives a run.
 fn no_run_failure(experiment: &Experiment) -> Failure {
-    Failure::data(format!(
-        "{} cannot be run with the data from any of the starting points: check its scales \
-         and the ranges of the fitted parameters, or divide the records with \"pieces\" in the experiment",
-        experiment.patch.file()
-    ))
+    Failure::data(no_run_sentence(experiment.patch.file()))
 }
 
 /// Reports on the data before the slow fit, and then on the weakest detectable effects.
@@ -184,34 +159,4 @@ fn run_search(
     let found = search(experiment, &problem, &settings, |progress| show(&bar, &progress))?;
     let outcome = found.ok_or_else(|| no_run_failure(experiment))?;
     Ok((problem, outcome))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_progress_has_the_phase_and_the_round() {
-        let texts = [
-            (SearchPhase::Base, "fitting the patch"),
-            (SearchPhase::Quick, "effects tried quickly, round 2"),
-            (SearchPhase::Full, "best effects fitted, round 2"),
-            (SearchPhase::Growing, "best effects fitted step by step, round 2"),
-            (SearchPhase::Localisation, "locating the missing effect"),
-        ];
-        for (phase, text) in texts {
-            assert_eq!(phase_text(phase, 2), text);
-        }
-    }
-
-    #[test]
-    fn the_progress_has_the_effects_that_are_found() {
-        let placed =
-            |effect: &str, site: &str| PlacedEffect { effect: effect.to_owned(), site: site.to_owned() };
-        let (leak, saturation) = (placed("leak", "I2"), placed("saturation", "u"));
-        assert_eq!(findings_text(&[], None), "");
-        assert_eq!(findings_text(&[], Some(&saturation)), "best so far: saturation at u");
-        let text = "in the patch: leak at I2; best so far: saturation at u";
-        assert_eq!(findings_text(&[leak], Some(&saturation)), text);
-    }
 }

@@ -47,6 +47,8 @@ mod outputs;
 mod overloads;
 #[cfg(feature = "panel")]
 mod panel;
+#[cfg(feature = "panel")]
+mod panel_export;
 mod phases;
 mod pictures;
 mod profile;

@@ -11,6 +11,7 @@ use patchcord_server::{GivenPatch, Limits, Options, Server, ServerError};
 
 use super::failure::Failure;
 use super::files::path_text;
+use super::panel_export::{Export, export};
 use super::standard_streams::{STANDARD_INPUT_NAME, is_dash};
 use super::{eprint, print};
 use patchcord::document::{DocumentError, escape_controls, read_text, read_text_from};
@@ -20,8 +21,8 @@ use patchcord::output::io_reason;
 const SAFETY: &str = "\
 The panel is a page of a server on this computer. Its address has a token, without which nobody can use
 the panel. Other users of the computer can see the address in the list of processes when a browser is
-opened with it; --no-open avoids that. The panel reads tables of patches only in the folder of the patch
-and below it, and it writes no files. A browser saves patches in its own folder for downloads.";
+opened with it; --no-open avoids that. Tables of patches are read only in the folder of the patch and
+below it, and the server writes no files. A browser saves patches in its own folder for downloads.";
 
 #[derive(Args)]
 #[command(after_help = SAFETY)]
@@ -40,14 +41,41 @@ pub(super) struct Arguments {
     /// Stop after the last browser has closed the panel
     #[arg(long)]
     exit_when_closed: bool,
+    /// Write the panel with the patch as one file, which a browser opens without a network, instead of starting a server.
+    /// Tables of the patch become a part of it
+    #[arg(
+        long,
+        value_name = "FILE.html",
+        conflicts_with_all = ["port", "address", "no_open", "exit_when_closed"]
+    )]
+    export: Option<PathBuf>,
+    /// Folder with the panel for --export, as crates/web/build-site makes it. Without it, the folder "site" is looked for
+    /// next to the command and in the target folder of a build
+    #[arg(long, value_name = "FOLDER", requires = "export")]
+    site: Option<PathBuf>,
 }
 
-/// Serves the panel until the command is interrupted, or until the last browser has closed it.
+/// Writes the panel, or serves it until the command is interrupted or the last browser has closed it.
 pub(super) fn panel(arguments: &Arguments) -> Result<(), Failure> {
+    let path = arguments.patch.as_deref();
+    let patch = path.map(given_patch).transpose()?;
+    match &arguments.export {
+        Some(file) => export(&Export {
+            file,
+            site: arguments.site.as_deref(),
+            patch: path.zip(patch),
+            folder: folder(path),
+        }),
+        None => serve(arguments, patch),
+    }
+}
+
+/// Serves the panel with a patch.
+fn serve(arguments: &Arguments, patch: Option<GivenPatch>) -> Result<(), Failure> {
     let options = Options {
         address: arguments.address,
         port: arguments.port,
-        patch: arguments.patch.as_deref().map(given_patch).transpose()?,
+        patch,
         folder: folder(arguments.patch.as_deref()),
         stops_when_closed: arguments.exit_when_closed,
         limits: Limits::default(),

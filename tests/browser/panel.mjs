@@ -48,12 +48,12 @@ async function replaceFiles(context) {
 }
 
 /**
- * Opens a panel with a patch. The test fails if the page reports an error.
+ * Opens an address in a window of its own. The test fails if the page reports an error.
  * @param {import('node:test').TestContext} t
- * @param {{patch?: string | null, width?: number, height?: number, dark?: boolean, touch?: boolean}} options
+ * @param {{width?: number, height?: number, dark?: boolean, touch?: boolean}} options
  * @returns {Promise<import('playwright-core').Page>}
  */
-export async function openPanel(t, { patch = MASS_AND_SPRING, width = 1280, height = 900, dark = false, touch = false } = {}) {
+export async function openAddress(t, address, { width = 1280, height = 900, dark = false, touch = false } = {}) {
   const context = await (await browser).newContext({
     viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', hasTouch: touch, reducedMotion: 'reduce',
   });
@@ -68,7 +68,17 @@ export async function openPanel(t, { patch = MASS_AND_SPRING, width = 1280, heig
     // The panel asks for files that a host may lack, and the browser reports that.
     assert.deepEqual(faults.filter((text) => !/\b404\b/.test(text)), [], 'errors of the page');
   });
-  await page.goto((await hostOf(patch)).address);
+  await page.goto(address);
+  return page;
+}
+
+/**
+ * Opens a panel with a patch.
+ * @param {import('node:test').TestContext} t
+ * @param {{patch?: string | null, width?: number, height?: number, dark?: boolean, touch?: boolean}} options
+ */
+export async function openPanel(t, { patch = MASS_AND_SPRING, ...options } = {}) {
+  const page = await openAddress(t, (await hostOf(patch)).address, options);
   if (!patch || FORM === 'folder') await closeGallery(page);
   if (patch && FORM === 'folder') await openFile(page, patch);
   await ready(page, patch && JSON.parse(await readFile(join(ROOT, patch), 'utf8')).title);

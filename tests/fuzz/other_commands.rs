@@ -127,14 +127,16 @@ fn man_command(random: &mut SplitMix64) -> Vec<String> {
     words
 }
 
-/// `panel` with an option or a patch that it refuses. Otherwise it would not end.
+/// `panel` with an option or a patch that it refuses. Otherwise it would serve and not end.
 fn refused_panel_command(random: &mut SplitMix64) -> Vec<String> {
-    let lines: [&[&str]; 5] = [
+    let lines: [&[&str]; 7] = [
         &["panel", "--no-open", "--port", "0", "no-such-file.json"],
         &["panel", "--no-open", "--port", "65536"],
         &["panel", "--no-open", "--address", "nowhere"],
         &["panel", "--no-open", "--address", "203.0.113.1"],
         &["panel", "--no-open", "--open"],
+        &["panel", "--export", "page.html", "--site", "no-such-folder"],
+        &["panel", "--export", "page.json", "no-such-file.json"],
     ];
     line(random.choose(&lines))
 }

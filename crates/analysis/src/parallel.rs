@@ -1,10 +1,11 @@
 //! Parallel work on rayon, with results in the order of the work items.
 //!
 //! [`with_threads`] provides the threads. [`map`] and its relatives use them at any depth of calls, and run on the
-//! calling thread if there are none. [`run_in_order`] is for long work whose results are written while it continues.
+//! calling thread if there are none. [`try_map`] ends at the first error. [`run_in_order`] is for long work whose results are written while it continues.
 //! No result depends on the number of threads.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::ops::Range;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
@@ -60,17 +61,44 @@ pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) ->
 pub fn map<I: Sync, T: Send>(
     items: &[I],
     work: impl Fn(&I) -> T + Sync,
-    progress: impl FnMut(u64) + Send,
+    mut progress: impl FnMut(u64) + Send,
 ) -> Vec<T> {
+    let Ok(results) = try_map(items, |item| Ok::<T, Infallible>(work(item)), |count, _, _| progress(count));
+    results
+}
+
+/// Like [`map`], for work that may fail. `progress` receives the number of completed items, the last completed item
+/// and its result.
+///
+/// # Errors
+/// If the work fails for an item. No further work begins then. If it fails for several items, the error is one of
+/// theirs.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_analysis::parallel::try_map;
+///
+/// let mut halves = Vec::new();
+/// let half = |number: &u64| if number % 2 == 0 { Ok(number / 2) } else { Err(format!("{number} is odd")) };
+/// let result = try_map(&[2, 4, 5, 6], half, |_, _, half| halves.push(*half));
+/// assert_eq!((result, halves), (Err("5 is odd".to_owned()), vec![1, 2]));
+/// ```
+pub fn try_map<I: Sync, T: Send, E: Send>(
+    items: &[I],
+    work: impl Fn(&I) -> Result<T, E> + Sync,
+    progress: impl FnMut(u64, &I, &T) + Send,
+) -> Result<Vec<T>, E> {
     let progress = Mutex::new((0, progress));
-    let counted = |item: &I| {
-        let result = work(item);
+    let counted = |index: usize| {
+        let item = &items[index];
+        let result = work(item)?;
         let (done, progress) = &mut *progress.lock().unwrap_or_else(PoisonError::into_inner);
         *done += 1;
-        progress(*done);
-        result
+        progress(*done, item, &result);
+        Ok(result)
     };
-    map_indices(items.len(), |index| counted(&items[index]))
+    try_map_indices(items.len(), counted)
 }
 
 /// The results of `work` for all indices below `count`, in order. The work begins in this order too, so long work
@@ -86,14 +114,26 @@ pub fn map<I: Sync, T: Send>(
 /// assert_eq!(map_indices(3, |index| 10 * index), [0, 10, 20]);
 /// ```
 pub fn map_indices<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let Ok(results) = try_map_indices(count, |index| Ok::<T, Infallible>(work(index)));
+    results
+}
+
+/// Like [`map_indices`], for work that may fail.
+///
+/// # Errors
+/// As for [`try_map`].
+fn try_map_indices<T: Send, E: Send>(
+    count: usize,
+    work: impl Fn(usize) -> Result<T, E> + Sync,
+) -> Result<Vec<T>, E> {
     if rayon::current_thread_index().is_none() {
         return (0..count).map(work).collect();
     }
     // A bridge hands out the indices one by one. A parallel range would be split in halves.
-    let numbered = (0..count).par_bridge().map(|index| (index, work(index)));
-    let mut results: Vec<(usize, T)> = numbered.collect();
+    let numbered = (0..count).par_bridge().map(|index| Ok((index, work(index)?)));
+    let mut results = numbered.collect::<Result<Vec<(usize, T)>, E>>()?;
     results.sort_unstable_by_key(|(index, _)| *index);
-    results.into_iter().map(|(_, result)| result).collect()
+    Ok(results.into_iter().map(|(_, result)| result).collect())
 }
 
 /// Like [`map_indices`], in batches of `batch` indices. Passes the results of a batch to `take`, in order, before the

@@ -87,6 +87,11 @@
 //!   show, without a search.
 //! * Where and when is a force missing, if no effect of the library explains the residual? [`localise()`] estimates it.
 //! * Which effects are tried where? [`EffectSites`] lists them.
+//! * What does the patch do along the records with other values of its parameters? [`simulate()`] runs it without a
+//!   fit.
+//!
+//! A program without files, such as a web page, lists the columns of a data file with [`data_columns()`] and reads the
+//! experiment with [`Experiment::parse_given`]. A search can be cancelled: [`SearchSettings::with_cancel`].
 //!
 //! # Modules
 //!
@@ -118,19 +123,22 @@ pub mod statistics;
 
 pub use data::codes;
 pub use data::columns::{RecordColumn, record_columns};
+pub use data::data_columns::{DataColumn, data_columns};
 pub use data::examine::{ColumnStatistics, Noise, NoiseKind, POWER_FRACTIONS, examine};
 pub use data::experiment::{Experiment, MeasuredDrive, MeasuredOutput};
 pub use data::experiment_document::Hold;
 pub use data::experiment_file::ExperimentError;
+pub use data::file_source::GivenFiles;
 pub use data::record::{MIN_RECORD_SAMPLES, Record};
 pub use design::detectability::{Detectability, DetectionLimit, detectable_effects};
 pub use effects::effect_sites::EffectSites;
 pub use effects::{Effect, EffectError, Library, PlacedEffect};
 pub use fit::base_fit::fit_base;
 pub use fit::fitted_model::FittedModel;
-pub use fit::model::ModelError;
+pub use fit::model::{ModelError, SimulatedRecord};
 pub use fit::problem::Problem;
+pub use fit::simulation::{Simulation, simulate};
 pub use localise::{Localisation, localise};
 pub use report::Report;
-pub use search::progress::{Progress, SearchPhase};
+pub use search::progress::{Progress, SearchPhase, TrialResult};
 pub use search::{Outcome, SearchSettings, Verdict, search};

@@ -4,6 +4,7 @@
 //! same name. `PATCHCORD_BLESS=1 cargo test -p patchcord-ident` rewrites the reports.
 
 mod bad;
+mod cancellation;
 mod codes;
 #[path = "../../core/tests/common/mod.rs"]
 mod common;
@@ -14,6 +15,7 @@ mod divergence;
 #[path = "../../core/tests/known_problems/equations.rs"]
 mod equations;
 mod experiment_reading;
+mod given_files;
 mod graft;
 mod library;
 mod localisation;

@@ -3,6 +3,7 @@
 //! A client sends a [`Request`] as JSON. A command that is refused has no effect, and its event says why. Names of
 //! commands and fields are part of the protocol, which docs/panel-protocol.md documents.
 
+use patchcord_core::document::read_variant;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
@@ -32,28 +33,15 @@ fn commands<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Command>, 
     objects.into_iter().map(command).collect::<Result<_, _>>().map_err(D::Error::custom)
 }
 
-/// Reads one command. Numbers in an enum whose tag is among its fields cannot be read while serde_json keeps their texts,
-/// so the tag is moved out first.
+/// Reads one command.
 ///
 /// # Errors
 /// A message if it is not a command.
-fn command(mut object: Map<String, Value>) -> Result<Command, String> {
-    let Some(Value::String(name)) = object.remove("command") else {
-        return Err("a command is an object with its name under the key \"command\"".to_owned());
-    };
-    if name.chars().nth(MAX_NAME_CHARACTERS).is_some() || object.iter().any(has_long_name) {
+fn command(object: Map<String, Value>) -> Result<Command, String> {
+    if object.iter().any(has_long_name) {
         return Err(format!("a name in a command has more than {MAX_NAME_CHARACTERS} characters"));
     }
-    let has_fields = !object.is_empty();
-    let tagged = Value::Object(Map::from_iter([(name.clone(), Value::Object(object))]));
-    let outcome = serde_json::from_value(tagged);
-    // A command without fields is a word.
-    let outcome = if has_fields {
-        outcome
-    } else {
-        outcome.or_else(|_| serde_json::from_value(Value::String(name.clone())))
-    };
-    outcome.map_err(|error| format!("command \"{name}\": {error}"))
+    read_variant(object, "command")
 }
 
 /// Whether a field is, or contains, a text that is too long for a name. Patches, snapshots and values of settings have
@@ -125,6 +113,11 @@ pub enum Command {
     New {
         /// Name of the machine; that of the present patch if absent.
         machine: Option<String>,
+    },
+    /// Replaces the text of the patch as one step of the history. The machine continues with its states.
+    Replace {
+        /// The JSON document.
+        text: String,
     },
     /// Asks for the text of the patch. The answer is the event `text`.
     Text,
@@ -239,6 +232,13 @@ pub enum Command {
         id: u64,
         /// The jack.
         to: CordEnd,
+    },
+    /// Moves the loose end of a cord to another place on the panel.
+    MoveLoose {
+        /// Number of the loose cord.
+        id: u64,
+        /// Place of the loose end, in units of the page.
+        at: [f64; 2],
     },
     /// Removes a loose cord.
     RemoveLoose {

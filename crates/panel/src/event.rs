@@ -2,11 +2,14 @@
 //!
 //! A [`Response`] is JSON. Voltages and traces change too often for JSON; they are in frames (`frame`).
 
+mod machine;
+
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::command::{CordEnd, Mode};
+use crate::command::CordEnd;
 use crate::scope::ScopeControls;
+pub use machine::{MachineState, NullMeter, OverloadView};
 
 /// The events of a request, in order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -352,40 +355,6 @@ pub struct CheckRow {
     pub not_compared: Option<String>,
     /// Whether the output demands more than 100 V.
     pub overloaded: bool,
-}
-
-/// The state of the machine and of the clock.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MachineState {
-    /// The mode.
-    pub mode: Mode,
-    /// Problem time in seconds.
-    pub time: f64,
-    /// The speed factor; absent for as fast as possible.
-    pub speed: Option<f64>,
-    /// Whether the clock stands.
-    pub paused: bool,
-    /// Length of a sweep in problem seconds.
-    pub sweep: f64,
-    /// Sweeps per second; absent if the speed decides.
-    pub rate: Option<f64>,
-    /// The overloads since the last initial condition, in the order in which the lamps lit.
-    pub overloads: Vec<OverloadView>,
-    /// Why the machine stopped; absent if it did not.
-    pub stopped: Option<String>,
-    /// The earliest time to which the machine can be moved back, in problem seconds.
-    pub oldest: f64,
-}
-
-/// An overload lamp that is lit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct OverloadView {
-    /// Name of the amplifier.
-    pub element: String,
-    /// Problem time at which it lit, in seconds.
-    pub time: f64,
-    /// The amplifier whose overload caused it, if there is one.
-    pub caused_by: Option<String>,
 }
 
 /// The equations that the wiring solves.

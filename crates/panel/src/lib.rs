@@ -11,6 +11,7 @@ pub mod document;
 pub mod event;
 pub mod frame;
 pub mod limits;
+pub mod one_file;
 pub mod pages;
 pub mod patches;
 pub mod places;

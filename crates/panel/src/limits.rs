@@ -32,6 +32,9 @@ pub const MAX_TABLE_BYTES: usize = 50_000_000;
 const MAX_TABLE_NUMBERS: f64 = 2.5e6;
 /// Largest number of steps of a run for a table.
 const MAX_RUN_STEPS: f64 = 2e7;
+/// Largest number of steps times elements of a run for a table. Each takes the interpreter up to 10 ns, so that a run takes
+/// some seconds.
+const MAX_RUN_WORK: f64 = 4e8;
 /// Size of the largest past that the delays of a machine may store, in bytes.
 pub const MAX_DELAY_BYTES: usize = 50_000_000;
 /// Size of all checkpoints of a run in bytes, above which some of them are dropped.
@@ -78,15 +81,18 @@ fn check_count(count: usize, limit: usize, noun: &str) -> Result<(), String> {
     Err(format!("the patch has {count} {noun}, and the panel takes {limit}: run it with patchcord run"))
 }
 
-/// Checks the size of a run for a table.
+/// Checks the size of a run for a table. The number of steps is known only if they are equal.
 ///
 /// # Errors
 /// The message if it has too many steps or samples.
-pub(crate) fn check_run(settings: &RunSettings) -> Result<(), String> {
+pub(crate) fn check_run(settings: &RunSettings, elements: usize) -> Result<(), String> {
     let steps = settings.total_duration() / settings.step;
-    if settings.tolerance.is_none() && steps > MAX_RUN_STEPS {
-        let [steps, limit] = [steps, MAX_RUN_STEPS].map(format_number);
-        return Err(format!("the run has {steps} steps, and the panel takes {limit}: use patchcord run"));
+    let limit = MAX_RUN_STEPS.min((MAX_RUN_WORK / elements.max(1) as f64).floor());
+    if settings.tolerance.is_none() && steps > limit {
+        let [steps, limit] = [steps, limit].map(format_number);
+        return Err(format!(
+            "the run has {steps} steps, and the panel takes {limit} with {elements} elements: use patchcord run"
+        ));
     }
     if settings.recorded_numbers() > MAX_TABLE_NUMBERS {
         return Err(table_too_large());

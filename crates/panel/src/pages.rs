@@ -100,6 +100,7 @@ pub const PAGES: &[Page] = pages![
     "js/meters.js",
     "js/patching.js",
     "js/probes.js",
+    "js/resources.js",
     "js/schematic.js",
     "js/scope-controls.js",
     "js/scope-export.js",
@@ -219,6 +220,30 @@ mod tests {
                 assert!(quotes % 2 == 0, "{}:{}", page.path, number + 1);
             }
         }
+    }
+
+    /// Whether a module imports another one.
+    fn imports(page: &Page, other: &Page) -> bool {
+        let name = other.path.trim_start_matches("js/");
+        page.text.contains(&format!("from './{name}'"))
+    }
+
+    #[test]
+    fn modules_do_not_import_each_other() {
+        // In the page that is one file (crates/web/one_file.py), each module follows those that it imports.
+        let mut rest: Vec<&Page> = PAGES.iter().filter(|page| page.path.starts_with("js/")).collect();
+        while let Some(next) = rest.iter().position(|page| !rest.iter().any(|other| imports(page, other))) {
+            rest.remove(next);
+        }
+        let paths: Vec<&str> = rest.iter().map(|page| page.path).collect();
+        assert!(paths.is_empty(), "{paths:?}");
+    }
+
+    #[test]
+    fn one_module_reads_the_files_of_the_page() {
+        let fetching = PAGES.iter().filter(|page| page.text.contains("fetch("));
+        let paths: Vec<&str> = fetching.map(|page| page.path).collect();
+        assert_eq!(paths, ["js/resources.js", "worker/engine.js"]);
     }
 
     #[test]

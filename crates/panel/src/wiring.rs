@@ -5,9 +5,12 @@
 
 use std::collections::HashSet;
 
-use patchcord_core::elements::{Jacks, REFERENCES};
+use patchcord_core::elements::{Jacks, Kind, REFERENCES};
 use patchcord_core::machines::{self, DEFAULT_MACHINE, MachineModel};
 use patchcord_core::patch::Patch;
+
+/// The gains that are shown if the machine has every gain.
+const USUAL_GAINS: &[f64] = &[1.0, 10.0];
 
 /// An output of the patch.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +89,14 @@ pub(crate) fn panel_name(patch: &Patch, name: &str) -> String {
 /// The cords into an element or an instance: the jack, and the output by its name at the panel.
 pub(crate) fn cords_into<'p>(patch: &'p Patch, element: &str) -> Vec<(&'p str, String)> {
     patch.written_cords(element).map(|(jack, from)| (jack, panel_name(patch, from))).collect()
+}
+
+/// The gains for which a summing input of this kind has a jack at the panel, also without a cord; ascending.
+pub(crate) fn shown_gains(kind: &Kind, machine: &MachineModel) -> &'static [f64] {
+    match kind.available_gains(machine) {
+        [] => USUAL_GAINS,
+        available => available,
+    }
 }
 
 /// How many cords an input takes; `None` if any number.

@@ -173,6 +173,15 @@ fn a_run_that_is_too_long_is_refused() {
         let message = refusal(&mut opened(&decay(run)), json!({"command": "run"}));
         assert!(message.contains("use patchcord run"), "{run}: {message}");
     }
+    // Each step of a large patch takes longer.
+    let pots =
+        (0..397).map(|index| (format!("P{index}"), json!({"kind": "pot", "in": "+100", "setting": 0.5})));
+    let elements: serde_json::Map<String, Value> = pots.collect();
+    let run = json!({"for": 1.5, "step": 1e-6, "every": 0.5});
+    let patch = json!({"patchcord": 1, "elements": elements, "run": run, "record": ["P0"]});
+    let message = refusal(&mut opened(&patch.to_string()), json!({"command": "run"}));
+    // With the three references there are 400 elements.
+    assert!(message.contains(" with 400 elements: use patchcord run"), "{message}");
 }
 
 #[test]
@@ -188,6 +197,7 @@ fn a_snapshot_with_values_that_are_not_permitted_changes_nothing() {
         ("/sweep", json!(1e-4)),
         ("/rate", json!(1e300)),
         ("/mode", json!("fly")),
+        ("/null_meter/divider", json!(1.5)),
         ("/scopes/1/channels/0/volts_per_division", json!(0)),
         ("/document/texts/0", json!("[]")),
         ("/document/present/loose", json!([loose, loose])),
@@ -295,5 +305,6 @@ fn large_events_are_in_an_answer_once() {
     let commands: Vec<Value> = commands.iter().map(|name| json!({"command": name})).collect();
     let events = events(&mut session, &json!({"id": 1, "commands": commands}).to_string());
     let count = |name: &str| events.iter().filter(|event| event["event"] == name).count();
-    assert_eq!(["text", "hello", "patch", "snapshot", "refused"].map(count), [1, 1, 1, 1, 2]);
+    let names = ["text", "hello", "patch", "snapshot", "machine", "refused"];
+    assert_eq!(names.map(count), [1, 1, 1, 1, 1, 2]);
 }

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// Number of the mode operate in a frame.
 const OPERATE: u8 = 3;
 /// Number of commands that [`command`] knows.
-const COMMANDS: u8 = 27;
+const COMMANDS: u8 = 29;
 /// The texts of numbers, also of those that no f64 can represent.
 const NUMBERS: [&str; 16] = [
     "0", "1", "-1", "0.5", "0.02", "3", "10", "50", "1e-9", "1e9", "1e300", "-1e300", "1e999", "-1e999",
@@ -30,6 +30,13 @@ const QUESTIONS: [&str; 5] = [
     "\"advise\"",
     "\"static-check\", \"seed\": 1",
     "\"static-check\", \"seed\": null",
+];
+/// Texts that replace the patch, as JSON: patches, one with a fault, and one that is not a patch.
+const TEXTS: [&str; 4] = [
+    r#""{\"patchcord\": 1, \"elements\": {\"A1\": {\"kind\": \"integrator\", \"in\": {\"x1\": [\"A1\"]}}}}""#,
+    r#""{\"patchcord\": 1, \"elements\": {}, \"run\": {\"for\": 20, \"step\": 2}}""#,
+    r#""{\"patchcord\": 1, \"elements\": {\"A1\": {\"kind\": \"pot\"}}}""#,
+    r#""not a patch""#,
 ];
 /// Kinds of elements.
 const KINDS: [&str; 6] = ["integrator", "pot", "sine", "delay", "relay", "no-such-kind"];
@@ -135,6 +142,8 @@ fn command(kind: u8, numbers: &[u16], names: &Names) -> String {
         23 => scope(&mut pick, &from),
         24 => format!(r#""meter", "output": {from}"#),
         25 => format!(r#""null-meter", "output": {from}, "divider": {}"#, pick.number()),
+        26 => format!(r#""move-loose", "id": {}, "at": [{}, 0]"#, pick.below(3), pick.number()),
+        27 => format!(r#""replace", "text": {}"#, pick.one(&TEXTS)),
         _ => format!(r#""views", "schematic": {flag}, "equations": {flag}"#),
     }
 }

@@ -132,7 +132,8 @@ fn a_cord_that_is_pulled_out_is_a_finding_and_the_machine_runs_on_with_0_v() {
     let events = client.send(json!({"command": "unplug", "element": "A1", "jack": "x10", "from": "P1"}));
     let findings = event(&events, "findings")["findings"].as_array().unwrap().clone();
     let fault = findings.iter().find(|finding| finding["code"] == "no-driver").unwrap();
-    assert_eq!(fault["place"]["element"], "A1");
+    assert_eq!((&fault["place"]["element"], &fault["place"]["jack"]), (&json!("A1"), &json!("x10")));
+    assert!(fault["hint"].as_str().unwrap().starts_with("plug a cord in"), "{fault}");
     assert_eq!(event(&events, "patch")["runs"], true);
     let frame = client.advance(0.5);
     assert!((frame.header.time - time - 0.5).abs() < 2e-3);
@@ -219,6 +220,106 @@ fn pot_set_shows_settings_and_the_null_meter_compares() {
     // P1 is 40 / 1 * (1/10) / 10 = 0.4.
     assert!((frame.header.meter.unwrap() - 40.0).abs() < 1e-9);
     assert!((frame.header.null_meter.unwrap() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_session_remembers_its_meters() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    let events = client.send(json!({"command": "hello"}));
+    let (machine, patch) = (event(&events, "machine"), event(&events, "patch"));
+    // The voltmeter begins at the first signal.
+    assert_eq!(machine["meter"], patch["signals"][0]["at"]);
+    assert_eq!(machine["null_meter"], json!({"output": null, "divider": 0.0}));
+    assert_eq!(events.iter().filter(|event| event["event"] == "machine").count(), 1);
+    client.send(json!({"command": "meter", "output": "P2"}));
+    let connect = json!({"command": "null-meter", "output": "P1", "divider": 0.25});
+    let connected = json!({"output": "P1", "divider": 0.25});
+    assert_eq!(event(&client.send(connect), "machine")["null_meter"], connected);
+    let events = client.send(json!({"command": "snapshot"}));
+    let snapshot = event(&events, "snapshot")["snapshot"].clone();
+    let mut other = Client(Session::new(SessionOptions::default()));
+    let events = other.send(json!({"command": "restore", "snapshot": snapshot}));
+    let machine = event(&events, "machine");
+    assert_eq!((&machine["meter"], &machine["null_meter"]), (&json!("P2"), &connected));
+    // Without its output a meter is disconnected.
+    let events = other.send(json!({"command": "remove-element", "name": "P2"}));
+    assert_eq!(event(&events, "machine")["meter"], Value::Null);
+    assert_eq!(other.advance(0.0).header.meter, None);
+    let events = other.send(json!({"command": "undo"}));
+    assert_eq!(event(&events, "machine")["meter"], "P2");
+    // A snapshot of an earlier version has no null meter.
+    let mut earlier = snapshot;
+    earlier.as_object_mut().unwrap().remove("null_meter");
+    let events = other.send(json!({"command": "restore", "snapshot": earlier}));
+    assert_eq!(event(&events, "machine")["null_meter"]["output"], Value::Null);
+}
+
+#[test]
+fn another_text_is_a_step_and_the_machine_continues() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.mode("operate");
+    client.advance(0.3);
+    let frame = client.advance(0.2);
+    let (time, position) = (frame.header.time, client.volts(&frame, "A2"));
+    let before = text("lessons/mass-and-spring.json");
+    // The cord of the spring is missing, so the velocity stays.
+    let after = before.replace("\"x10\": [\"P1\"]", "\"x10\": [\"ground\"]");
+    assert_ne!(before, after);
+    let events = client.send(json!({"command": "replace", "text": after}));
+    let patch = event(&events, "patch");
+    assert_eq!((&patch["undo"], &patch["runs"]), (&json!("replace the text of the patch"), &json!(true)));
+    let frame = client.advance(0.0);
+    assert!((frame.header.time - time).abs() < 1.1e-3);
+    assert!((client.volts(&frame, "A2") - position).abs() < 1.0);
+    let velocity = client.volts(&frame, "A1");
+    let frame = client.advance(0.2);
+    assert!((frame.header.time - time - 0.2).abs() < 2e-3);
+    assert_eq!(client.volts(&frame, "A1"), velocity);
+    let events = client.send(json!({"command": "undo"}));
+    assert_eq!(event(&events, "patch")["redo"], "replace the text of the patch");
+    let frame = client.advance(0.2);
+    assert!((frame.header.time - time - 0.4).abs() < 3e-3 && client.volts(&frame, "A1") != velocity);
+    let refused = client.send(json!({"command": "replace", "text": "{"}));
+    assert!(refusal(&refused).contains("mass-and-spring.json"), "{refused:?}");
+    // A sweep shorter than the step of the new patch becomes that of the patch.
+    client.send(json!({"command": "sweep", "seconds": 0.01}));
+    let slow = r#"{"patchcord": 1, "elements": {"A1": {"kind": "integrator", "in": {"x1": ["A1"]}}},
+        "run": {"for": 20, "step": 0.02}}"#;
+    let events = client.send(json!({"command": "replace", "text": slow}));
+    let machine = event(&events, "machine");
+    assert_eq!((&machine["sweep"], &machine["stopped"]), (&json!(20.0), &Value::Null));
+}
+
+#[test]
+fn another_sweep_keeps_the_turned_parameters() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.send(json!({"command": "parameter", "name": "m", "value": 4}));
+    let events = client.send(json!({"command": "sweep", "seconds": 0.5}));
+    assert_eq!(event(&events, "machine")["sweep"], 0.5);
+    assert_eq!(event(&events, "patch")["parameters"][0]["value"], 4.0);
+    client.mode("pot-set");
+    let frame = client.advance(0.0);
+    // P1 is 40 / 4 * (1/10) / 10.
+    assert!((client.volts(&frame, "P1") - 10.0).abs() < 1e-5);
+    let events = client.send(json!({"command": "sweep", "seconds": 0.25}));
+    assert!(events.iter().all(|event| event["event"] != "patch"), "{events:?}");
+}
+
+#[test]
+fn a_patch_with_faults_does_not_show_the_machine_before_it() {
+    let mut client = Client::with("lessons/mass-and-spring.json");
+    client.mode("operate");
+    client.advance(0.3);
+    client.advance(0.2);
+    let open = json!({"command": "open", "name": "p.json", "text": r#"{"patchcord": 1,
+        "elements": {"A1": {"kind": "integrator", "in": {"x1": ["A1", "A9"]}, "initial": 50}}, "record": ["A1"]}"#});
+    let events = client.send(open);
+    assert_eq!(event(&events, "patch")["runs"], false);
+    let frame = client.advance(0.1);
+    assert!(frame.header.time == 0.0 && client.volts(&frame, "A1").is_nan());
+    client.send(json!({"command": "unplug", "element": "A1", "jack": "x1", "from": "A9"}));
+    let frame = client.advance(0.1);
+    assert_eq!((frame.header.time, client.volts(&frame, "A1")), (0.0, 50.0));
 }
 
 #[test]

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tokio::sync::Semaphore;
-
 use crate::browsers::Browsers;
 use crate::limits::Limits;
 use crate::names::Names;
+use crate::service::{Purpose, Service};
 use crate::token::Token;
 
 /// The patch that the panel opens first.
@@ -27,12 +26,24 @@ pub(crate) struct Host {
     pub token: Token,
     /// The patch that the panel opens first.
     pub patch: Option<GivenPatch>,
-    /// The folder below which sessions read tables.
+    /// The folder below which workers read tables.
     pub folder: PathBuf,
     /// The limits.
     pub limits: Limits,
-    /// One permit for each further session.
-    pub slots: Arc<Semaphore>,
+    /// The sessions.
+    pub sessions: Service,
+    /// The comparisons.
+    pub comparisons: Service,
     /// The open panels.
     pub browsers: Arc<Browsers>,
+}
+
+impl Host {
+    /// The service for a purpose.
+    pub(crate) fn service(&self, purpose: Purpose) -> &Service {
+        match purpose {
+            Purpose::Session => &self.sessions,
+            Purpose::Comparison => &self.comparisons,
+        }
+    }
 }

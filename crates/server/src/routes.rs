@@ -1,5 +1,7 @@
 //! The addresses of the server and their answers.
 
+use std::io;
+use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 
 use axum::Router;
@@ -11,13 +13,18 @@ use axum::http::{Method, StatusCode, Uri};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use patchcord_compare::{Comparison, ComparisonOptions};
 use patchcord_panel::pages::PAGES;
 use patchcord_panel::patches::{PATCHES, gallery};
+use patchcord_panel::{Session, SessionOptions};
+use tokio::sync::OwnedSemaphorePermit;
 
 use crate::headers::secure;
 use crate::host::Host;
-use crate::session_thread::SessionThread;
-use crate::socket::{self, close, stopped, too_many};
+use crate::reasons::{stopped, too_many};
+use crate::service::Purpose;
+use crate::socket::{self, close};
+use crate::worker::Worker;
 
 /// The page at the address of the server.
 const FIRST_PAGE: &str = "index.html";
@@ -40,7 +47,14 @@ pub(crate) fn router(host: Arc<Host>) -> Router {
         .route("/host.json", get(host_document))
         .route("/gallery.json", get(gallery_document))
         .route("/patch", get(patch))
-        .route("/session", get(session))
+        .route(
+            "/session",
+            get(|state, upgrade, uri, headers| connect(Purpose::Session, state, upgrade, uri, headers)),
+        )
+        .route(
+            "/compare",
+            get(|state, upgrade, uri, headers| connect(Purpose::Comparison, state, upgrade, uri, headers)),
+        )
         .fallback(page)
         .layer(middleware::from_fn_with_state(Arc::clone(&host), guard))
         .with_state(host)
@@ -116,23 +130,25 @@ async fn patch(State(host): State<Arc<Host>>, uri: Uri) -> Response {
     }
 }
 
-/// The WebSocket of a session.
-async fn session(
+/// A WebSocket.
+async fn connect(
+    purpose: Purpose,
     State(host): State<Arc<Host>>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Response {
     if !is_from_own_page(&headers) {
-        return refusal(StatusCode::FORBIDDEN, "only the page of the panel may begin a session");
+        return refusal(StatusCode::FORBIDDEN, "only the page of the panel may open a WebSocket");
     }
     if !host.token.is_in(uri.query()) {
         return refusal_without_token();
     }
     match upgrade {
         Ok(upgrade) => {
-            let upgrade = upgrade.max_message_size(host.limits.message).max_frame_size(host.limits.message);
-            upgrade.on_upgrade(move |socket| run_session(host, socket))
+            let size = host.service(purpose).message;
+            let upgrade = upgrade.max_message_size(size).max_frame_size(size);
+            upgrade.on_upgrade(move |socket| run(host, purpose, socket))
         }
         Err(rejection) => rejection.into_response(),
     }
@@ -147,14 +163,30 @@ fn is_from_own_page(headers: &HeaderMap) -> bool {
     }
 }
 
-/// Runs a session until its page is closed, unless there are too many.
-async fn run_session(host: Arc<Host>, socket: WebSocket) {
-    let Ok(slot) = Arc::clone(&host.slots).try_acquire_owned() else {
-        return close(socket, too_many(host.limits.sessions)).await;
+/// Runs a worker until its page closes the connection, unless there are too many.
+async fn run(host: Arc<Host>, purpose: Purpose, socket: WebSocket) {
+    let service = host.service(purpose);
+    let Ok(slot) = Arc::clone(&service.slots).try_acquire_owned() else {
+        return close(socket, too_many(service)).await;
     };
-    let _browser = host.browsers.open();
-    match SessionThread::start(host.folder.clone(), slot) {
-        Ok(session) => socket::serve(socket, session, host.limits.silence).await,
-        Err(_) => close(socket, stopped()).await,
+    // Without a session there is no panel, so a comparison does not keep the server running.
+    let _browser = (purpose == Purpose::Session).then(|| host.browsers.open());
+    match start(purpose, host.folder.clone(), slot) {
+        Ok(worker) => socket::serve(socket, worker, service).await,
+        Err(_) => close(socket, stopped(purpose)).await,
+    }
+}
+
+/// Starts a worker. Tables of its patches are read below `folder`.
+///
+/// # Errors
+/// If the system has no further thread.
+fn start(purpose: Purpose, folder: PathBuf, slot: OwnedSemaphorePermit) -> io::Result<Worker> {
+    let folder = Some(folder);
+    match purpose {
+        Purpose::Session => Worker::start(slot, |_| Session::new(SessionOptions { folder })),
+        Purpose::Comparison => Worker::start(slot, |cancel| {
+            Comparison::new(ComparisonOptions { folder, cancel, ..ComparisonOptions::default() })
+        }),
     }
 }

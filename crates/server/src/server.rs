@@ -5,14 +5,13 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tokio::sync::Semaphore;
-
 use crate::browsers::Browsers;
 use crate::connections::accept;
 use crate::host::{GivenPatch, Host};
 use crate::limits::Limits;
 use crate::names::Names;
 use crate::routes::router;
+use crate::service::{Purpose, Service};
 use crate::token::Token;
 
 /// The port that is tried first, after the Solartron 1451.
@@ -30,7 +29,7 @@ pub struct Options {
     pub port: Option<u16>,
     /// The patch that the panel opens first.
     pub patch: Option<GivenPatch>,
-    /// The folder below which sessions read tables.
+    /// The folder below which sessions and comparisons read tables.
     pub folder: PathBuf,
     /// Whether the server stops after the last panel was closed.
     pub stops_when_closed: bool,
@@ -87,7 +86,8 @@ impl Server {
             token,
             patch: options.patch,
             folder: options.folder,
-            slots: Arc::new(Semaphore::new(options.limits.sessions)),
+            sessions: Service::new(Purpose::Session, &options.limits),
+            comparisons: Service::new(Purpose::Comparison, &options.limits),
             limits: options.limits,
             browsers: Arc::new(Browsers::new()),
         };
@@ -99,7 +99,7 @@ impl Server {
         self.address
     }
 
-    /// The token that sessions need.
+    /// The token that sessions and comparisons need.
     pub fn token(&self) -> &str {
         self.host.token.text()
     }

@@ -1,58 +1,106 @@
-//! The WebSocket of a page: it passes requests to the session and answers back.
+//! The WebSocket of a page: it passes requests to a worker and the messages of its answers back.
 //!
-//! A request is a text message. Its answer is a text message, and a binary message if there is a frame. Only then the
-//! next request is read, so a page that sends more than the session can do has to wait.
+//! A request is a text message, and requests are answered in order. While the worker carries out a request, the next
+//! ones are read ahead, so that the end of the connection is noticed. A page that sends more than the worker can do has
+//! to wait.
 
+use std::collections::VecDeque;
+use std::convert::Infallible;
 use std::time::Duration;
 
-use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, close_code};
-use patchcord_panel::Answer;
+use axum::extract::ws::{CloseFrame, Message, WebSocket};
 use tokio::time::timeout;
 
-use crate::session_thread::SessionThread;
+use crate::reasons::{invalid, silent, stopped, unsupported};
+use crate::service::Service;
+use crate::worker::Worker;
 
 /// How long the server waits until a page has closed its end of the connection.
 const CLOSING_TIME: Duration = Duration::from_secs(2);
 
+/// Largest number of requests that are read ahead.
+const MAX_AHEAD: usize = 64;
+
+/// Why a connection ends: the reason for the page, or `None` if the page has closed it.
+type Ending = Option<CloseFrame>;
+
 /// Answers the requests of a page, until it closes the connection or makes a mistake.
-pub(crate) async fn serve(mut socket: WebSocket, mut session: SessionThread, silence: Duration) {
-    let end = answer_all(&mut socket, &mut session, silence).await;
-    // The session ends first, because a page may take its time to close the connection.
-    drop(session);
-    if let Some(frame) = end {
+pub(crate) async fn serve(mut socket: WebSocket, mut worker: Worker, service: &Service) {
+    let Err(ending) = answer_all(&mut socket, &mut worker, service).await;
+    // The worker ends first, because a page may take its time to close the connection.
+    drop(worker);
+    if let Some(frame) = ending {
         close(socket, frame).await;
     }
 }
 
-/// Answers requests. Returns why the server closes the connection; `None` if the page has closed it.
+/// Answers requests.
+///
+/// # Errors
+/// Whenever the connection ends.
 async fn answer_all(
     socket: &mut WebSocket,
-    session: &mut SessionThread,
-    silence: Duration,
-) -> Option<CloseFrame> {
+    worker: &mut Worker,
+    service: &Service,
+) -> Result<Infallible, Ending> {
+    let mut ahead: VecDeque<String> = VecDeque::new();
     loop {
-        let text = match timeout(silence, socket.recv()).await {
-            Ok(Some(Ok(Message::Text(text)))) => text,
-            // The next read answers the message that closes the connection, and finds its end.
-            Ok(Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Close(_)))) => continue,
-            Ok(None) => return None,
-            Ok(Some(Ok(Message::Binary(_)))) => return Some(unsupported()),
-            Ok(Some(Err(_))) => return Some(invalid()),
-            Err(_) => return Some(silent()),
+        let Some(request) = ahead.pop_front() else {
+            let arrived = timeout(service.silence, socket.recv()).await;
+            ahead.extend(request_in(arrived.map_err(|_| Some(silent(service.purpose)))?)?);
+            continue;
         };
-        let Some(answer) = session.request(text.as_str().to_owned()).await else { return Some(stopped()) };
-        if !matches!(timeout(silence, send(socket, answer)).await, Ok(Ok(()))) {
-            return None;
+        worker.begin(request).await.ok_or_else(|| Some(stopped(service.purpose)))?;
+        pass_answer(socket, worker, &mut ahead, service).await?;
+    }
+}
+
+/// Sends the messages of an answer, each as soon as it is there. Meanwhile it reads requests ahead. The worker may take
+/// as long as it needs, but the page has to read.
+///
+/// # Errors
+/// If the connection ends.
+async fn pass_answer(
+    socket: &mut WebSocket,
+    worker: &mut Worker,
+    ahead: &mut VecDeque<String>,
+    service: &Service,
+) -> Result<(), Ending> {
+    loop {
+        let part = tokio::select! {
+            biased;
+            arrived = socket.recv(), if has_room(ahead, service.message) => {
+                ahead.extend(request_in(arrived)?);
+                continue;
+            }
+            part = worker.part() => part.ok_or_else(|| Some(stopped(service.purpose)))?,
+        };
+        if !matches!(timeout(service.silence, socket.send(part.message)).await, Ok(Ok(()))) {
+            return Err(None);
+        }
+        if part.is_last {
+            return Ok(());
         }
     }
 }
 
-/// Sends an answer.
-async fn send(socket: &mut WebSocket, answer: Answer) -> Result<(), axum::Error> {
-    socket.send(Message::Text(answer.text.into())).await?;
-    match answer.frame {
-        Some(frame) => socket.send(Message::Binary(frame.into())).await,
-        None => Ok(()),
+/// Whether a further request may be read ahead: together they have at most the size of two largest messages.
+fn has_room(ahead: &VecDeque<String>, largest: usize) -> bool {
+    ahead.len() < MAX_AHEAD && ahead.iter().map(String::len).sum::<usize>() < largest
+}
+
+/// The request in what arrived; `None` if it is a message of the connection itself.
+///
+/// # Errors
+/// If the connection ends.
+fn request_in(arrived: Option<Result<Message, axum::Error>>) -> Result<Option<String>, Ending> {
+    match arrived {
+        Some(Ok(Message::Text(text))) => Ok(Some(text.as_str().to_owned())),
+        // The next read answers the message that closes the connection, and finds its end.
+        Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Close(_))) => Ok(None),
+        Some(Ok(Message::Binary(_))) => Err(Some(unsupported())),
+        Some(Err(_)) => Err(Some(invalid())),
+        None => Err(None),
     }
 }
 
@@ -66,36 +114,4 @@ pub(crate) async fn close(mut socket: WebSocket, frame: CloseFrame) {
     };
     // A page that does not answer loses the connection.
     let _ = timeout(CLOSING_TIME, closing).await;
-}
-
-/// The reason if there are as many sessions as permitted.
-pub(crate) fn too_many(sessions: usize) -> CloseFrame {
-    let reason =
-        format!("{sessions} panels are open, which is the most: close another one, then reload this page");
-    CloseFrame { code: close_code::AGAIN, reason: reason.into() }
-}
-
-/// The reason if a session cannot begin or has ended by a fault of the program.
-pub(crate) fn stopped() -> CloseFrame {
-    fixed(close_code::ERROR, "the session stopped by a fault of the program: reload this page")
-}
-
-/// The reason if a page sent nothing for a long time.
-fn silent() -> CloseFrame {
-    fixed(close_code::AWAY, "the panel was not in use: reload this page to continue")
-}
-
-/// The reason if a message could not be read.
-fn invalid() -> CloseFrame {
-    fixed(close_code::POLICY, "a message to the session was too large or not valid")
-}
-
-/// The reason if a message is not a request.
-fn unsupported() -> CloseFrame {
-    fixed(close_code::UNSUPPORTED, "a request must be a text message")
-}
-
-/// A reason without numbers.
-fn fixed(code: u16, reason: &'static str) -> CloseFrame {
-    CloseFrame { code, reason: Utf8Bytes::from_static(reason) }
 }

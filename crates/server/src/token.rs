@@ -1,4 +1,4 @@
-//! The token: a random text in the address of the panel, without which no session begins.
+//! The token: a random text in the address of the panel, without which no session or comparison begins.
 
 use constant_time_eq::constant_time_eq;
 

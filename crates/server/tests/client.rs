@@ -84,9 +84,27 @@ impl Running {
         self.send(&[&format!("GET {path} HTTP/1.1"), &format!("Host: {}", self.address)])
     }
 
+    /// The status of the response to a WebSocket at this path with its query, with a header for its origin.
+    pub(crate) fn upgrade_status(&self, path: &str, origin: &str) -> u16 {
+        let lines: [&str; 6] = [
+            &format!("GET {path} HTTP/1.1"),
+            &format!("Host: {}", self.address),
+            origin,
+            "Upgrade: websocket",
+            "Sec-WebSocket-Version: 13",
+            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+        ];
+        self.send(&lines).status
+    }
+
     /// Begins a session as the page of the panel does.
     pub(crate) fn open(&self) -> WebSocket<TcpStream> {
-        let url = format!("ws://{}/session?token={}", self.address, self.token);
+        self.open_at("/session")
+    }
+
+    /// Opens the WebSocket at this path as the page of the panel does.
+    pub(crate) fn open_at(&self, path: &str) -> WebSocket<TcpStream> {
+        let url = format!("ws://{}{path}?token={}", self.address, self.token);
         let mut request = url.into_client_request().unwrap();
         request.headers_mut().insert("origin", format!("http://{}", self.address).parse().unwrap());
         tungstenite::client(request, self.connect()).unwrap().0

@@ -5,26 +5,13 @@ use std::time::{Duration, Instant};
 use patchcord_server::{Limits, Options};
 use tungstenite::Message;
 
-use crate::client::{NOTHING, Running, ask, options, start, start_with};
-
-/// The status of the response to a WebSocket with this header and this query.
-fn status(server: &Running, origin: &str, query: &str) -> u16 {
-    let lines: [&str; 6] = [
-        &format!("GET /session{query} HTTP/1.1"),
-        &format!("Host: {}", server.address),
-        origin,
-        "Upgrade: websocket",
-        "Sec-WebSocket-Version: 13",
-        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
-    ];
-    server.send(&lines).status
-}
+use crate::client::{NOTHING, ask, options, start, start_with};
 
 #[test]
 fn a_session_needs_the_token_and_the_page_of_the_panel() {
     let server = start(options());
     let port = server.address.port();
-    let right = format!("?token={}", server.token);
+    let right = format!("/session?token={}", server.token);
     let page = format!("Origin: http://{}", server.address);
     let origins = [
         "Origin: http://evil.example".to_owned(),
@@ -37,10 +24,10 @@ fn a_session_needs_the_token_and_the_page_of_the_panel() {
         format!("{page}\r\n{page}"),
     ];
     for origin in origins {
-        assert_eq!(status(&server, &origin, &right), 403, "{origin}");
+        assert_eq!(server.upgrade_status(&right, &origin), 403, "{origin}");
     }
-    for query in ["", "?token=", "?token=0", &format!("{right}0")] {
-        assert_eq!(status(&server, &page, query), 403, "{query}");
+    for path in ["/session", "/session?token=", "/session?token=0", &format!("{right}0")] {
+        assert_eq!(server.upgrade_status(path, &page), 403, "{path}");
     }
     assert_eq!(ask(&mut server.open(), NOTHING).map(|answer| answer.contains("\"id\":1")), Ok(true));
 }
@@ -61,6 +48,20 @@ fn an_answer_is_a_text_and_a_frame_if_there_is_one() {
     // A request that cannot be read does not end the session.
     assert!(ask(&mut socket, "not JSON").unwrap().contains("\"id\":null"));
     assert!(ask(&mut socket, NOTHING).is_ok());
+}
+
+/// More requests than the server reads ahead.
+#[test]
+fn requests_that_do_not_wait_are_answered_in_order() {
+    let server = start(options());
+    let mut socket = server.open();
+    for id in 0..200 {
+        socket.send(Message::text(format!("{{\"id\": {id}, \"commands\": []}}"))).unwrap();
+    }
+    for id in 0..200 {
+        let Ok(Message::Text(answer)) = socket.read() else { panic!("no answer to {id}") };
+        assert!(answer.as_str().contains(&format!("\"id\":{id},")), "{id}: {answer}");
+    }
 }
 
 #[test]

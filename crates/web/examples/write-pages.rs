@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::{env, fs, io};
 
+use patchcord_panel::one_file::WORKER_HOST;
 use patchcord_panel::pages::PAGES;
 use patchcord_panel::patches::{PATCHES, gallery};
-
-/// What the page has to know about its host.
-const HOST: &str = "{\"host\": \"worker\"}\n";
 
 fn main() -> ExitCode {
     let Some(folder) = env::args_os().nth(1).map(PathBuf::from) else {
@@ -36,7 +34,7 @@ fn write_pages(folder: &Path) -> io::Result<()> {
         write(&folder.join("patches").join(patch.path), patch.text)?;
     }
     write(&folder.join("gallery.json"), &format!("{}\n", gallery()))?;
-    write(&folder.join("host.json"), HOST)
+    write(&folder.join("host.json"), &format!("{WORKER_HOST}\n"))
 }
 
 /// Writes a file, and makes its folder.

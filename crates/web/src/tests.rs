@@ -3,7 +3,7 @@
 use super::*;
 
 /// Sends a request as the Worker does, and returns the text and the frame of the answer.
-fn send(text: &str) -> (String, Option<Vec<u8>>) {
+fn send(request: unsafe extern "C" fn(*const u8, usize), text: &str) -> (String, Option<Vec<u8>>) {
     let pointer = allocate(text.len());
     // SAFETY: the memory has the length of the text, and is released once, after the request.
     unsafe {
@@ -26,27 +26,70 @@ fn before_the_first_request_there_is_no_answer() {
     assert_eq!((text_length(), frame_length()), (0, 0));
 }
 
+#[cfg(feature = "panel")]
 #[test]
 fn requests_get_the_answers_of_one_session() {
-    let (text, frame) = send(r#"{"id": 7, "commands": [{"command": "pause", "paused": true}]}"#);
+    let (text, frame) = send(request, r#"{"id": 7, "commands": [{"command": "pause", "paused": true}]}"#);
     assert!(text.starts_with(r#"{"id":7,"#) && text.contains(r#""paused":true"#), "{text}");
     assert_eq!(frame, None);
 
-    let (text, frame) = send(r#"{"id": 8, "commands": [{"command": "advance", "seconds": 0.02}]}"#);
+    let (text, frame) = send(request, r#"{"id": 8, "commands": [{"command": "advance", "seconds": 0.02}]}"#);
     assert!(text.contains(r#""frame":true"#), "{text}");
     let frame = patchcord_panel::frame::decode(&frame.unwrap()).unwrap();
     assert!(frame.header.paused);
 }
 
+#[cfg(feature = "panel")]
 #[test]
 fn a_request_that_cannot_be_read_is_refused() {
-    let (text, frame) = send("no document: µ");
+    let (text, frame) = send(request, "no document: µ");
     assert!(text.contains("the request cannot be read") && frame.is_none(), "{text}");
 }
 
+#[cfg(feature = "panel")]
 #[test]
 fn the_message_of_a_panic_has_its_place() {
-    send("");
+    send(request, "");
     let message = std::panic::catch_unwind(|| panic!("no voltage")).unwrap_err();
     assert_eq!(message.downcast_ref(), Some(&"no voltage"));
+}
+
+/// A request with one command.
+#[cfg(feature = "compare")]
+fn one(command: &serde_json::Value) -> String {
+    serde_json::json!({"id": 5, "commands": [command]}).to_string()
+}
+
+#[cfg(feature = "compare")]
+#[test]
+fn a_search_gives_partial_responses_before_the_final_one() {
+    use serde_json::json;
+
+    let begin = json!({
+        "command": "begin",
+        "patch": {
+            "name": "spring.json",
+            "text": include_str!("../../../examples/05_missing_effect/spring.json"),
+        },
+        "data": {
+            "name": "measured.csv",
+            "text": include_str!("../../../examples/05_missing_effect/measured.csv"),
+        },
+    });
+    let (text, frame) = send(compare_request, &one(&begin));
+    assert!(text.contains(r#""event":"columns""#) && frame.is_none(), "{text}");
+    let compare = json!({"command": "compare", "experiment": {"outputs": {"x": "x"}, "fit": ["k"]}});
+    let (text, _) = send(compare_request, &one(&compare));
+    assert!(text.contains(r#""event":"curves""#), "{text}");
+    assert!(host::PARTIAL.lock().unwrap().is_empty());
+
+    let (text, _) = send(compare_request, &one(&json!({"command": "search", "seed": 1})));
+    assert!(text.starts_with(r#"{"id":5,"#) && !text.contains(r#""partial":true"#), "{text}");
+    assert!(text.contains(r#""event":"found""#) && text.contains("viscous-friction"), "{text}");
+    let partial = host::PARTIAL.lock().unwrap();
+    assert!(!partial.is_empty());
+    for text in partial.iter() {
+        assert!(text.starts_with(r#"{"id":5,"#) && text.contains(r#""partial":true"#), "{text}");
+        assert!(text.contains(r#""event":"progress""#), "{text}");
+    }
 }

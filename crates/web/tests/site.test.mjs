@@ -17,13 +17,16 @@ const site = join(process.env.CARGO_TARGET_DIR ?? join(root, 'target'), 'site');
 
 let workers = 0;
 
-/** Loads engine.js as a Worker does, from a web server with this response. Returns a function that sends a message. */
-async function start(respond) {
+/**
+ * Loads engine.js as a Worker does, from a web server with this response. Returns a function that sends a message and
+ * gives its answer. `report` gets partial responses.
+ */
+async function start(respond, module = 'engine.wasm', report = assert.fail) {
   globalThis.fetch = async (url) => respond(readFileSync(fileURLToPath(url)));
-  await import(`${pathToFileURL(join(site, 'worker/engine.js'))}?${workers += 1}`);
+  await import(`${pathToFileURL(join(site, 'worker/engine.js'))}?module=${module}&${workers += 1}`);
   const { onmessage } = globalThis;
   return (data) => new Promise((resolve) => {
-    globalThis.postMessage = (answer, transfer) => resolve({ ...answer, transfer });
+    globalThis.postMessage = (answer, transfer) => (answer.partial ? report(answer) : resolve({ ...answer, transfer }));
     onmessage({ data });
   });
 }
@@ -84,15 +87,45 @@ test('a panic is reported, and no request is answered after it', async () => {
   assert.equal((await worker({ id: 7, text: '{"id": 7, "commands": []}' })).failed, failed);
 });
 
-test('the engine needs nothing but its host', async () => {
-  const module = new WebAssembly.Module(readFileSync(join(site, 'engine.wasm')));
-  assert.deepEqual(WebAssembly.Module.imports(module).map((entry) => `${entry.module}.${entry.name}`).sort(), ['host.fail', 'host.now']);
+test('without a name, the Worker loads the engine of the panel', async () => {
+  const asked = [];
+  globalThis.fetch = (url) => {
+    asked.push(String(url));
+    return new Promise(() => {});
+  };
+  await import(pathToFileURL(join(site, 'worker/engine.js')));
+  globalThis.onmessage({ data: { id: 1, text: '' } });
+  assert.match(asked[0], /\/engine\.wasm$/);
 });
 
-test('messages name no folder of the computer that compiled the engine', () => {
-  const engine = readFileSync(join(site, 'engine.wasm')).toString('latin1');
-  assert.ok(engine.includes('crates/core/src/'));
-  assert.doesNotMatch(engine, /\/(home|root|usr|Users)\//);
+for (const [module, imports] of [['engine.wasm', ['fail', 'now']], ['search.wasm', ['fail', 'partial']]]) {
+  test(`${module} needs nothing but its host`, () => {
+    const compiled = new WebAssembly.Module(readFileSync(join(site, module)));
+    const found = WebAssembly.Module.imports(compiled).map((entry) => `${entry.module}.${entry.name}`);
+    assert.deepEqual(found.sort(), imports.map((name) => `host.${name}`));
+  });
+
+  test(`messages of ${module} name no folder of the computer that compiled it`, () => {
+    const text = readFileSync(join(site, module)).toString('latin1');
+    assert.ok(text.includes('crates/core/src/'));
+    assert.doesNotMatch(text, /\/(home|root|usr|Users)\//);
+  });
+}
+
+test('a search reports its progress and finds the missing effect', async () => {
+  const partial = [];
+  const worker = await start(wasm, 'search.wasm', (answer) => partial.push(answer));
+  const given = (name) => ({ name, text: readFileSync(join(root, 'examples/05_missing_effect', name), 'utf8') });
+  const experiment = { outputs: { x: 'x' }, fit: ['k'] };
+  await send(worker, { command: 'begin', patch: given('spring.json'), data: given('measured.csv') }, { command: 'compare', experiment });
+  assert.deepEqual(partial, []);
+  const { events } = await send(worker, { command: 'search', seed: 1 });
+  assert.match(events.find(({ event }) => event === 'found').sentence, /viscous-friction/);
+  assert.ok(partial.length > 0);
+  for (const { id, text } of partial) {
+    assert.equal(id, 1);
+    assert.ok(JSON.parse(text).events.every(({ event }) => event === 'progress'));
+  }
 });
 
 test('the samples of shipped patches have the bits of the command', { skip: !process.env.PATCHCORD }, async (t) => {

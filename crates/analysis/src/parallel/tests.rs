@@ -123,3 +123,34 @@ fn progress_counts_the_items() {
     let squares = with_threads(4, || map(&[1, 2, 3, 4, 5], |number| number * number, |done| seen.push(done)));
     assert_eq!((squares, seen), (vec![1, 4, 9, 16, 25], vec![1, 2, 3, 4, 5]));
 }
+
+/// Of a thousand items on two threads, the fourth fails. Only the items that have begun by then are completed.
+#[test]
+fn no_work_begins_after_an_error() {
+    let items: Vec<u64> = (0..1000).collect();
+    let begun = AtomicU64::new(0);
+    let work = |item: &u64| {
+        begun.fetch_add(1, Ordering::SeqCst);
+        if *item == 3 {
+            return Err("the fourth item");
+        }
+        thread::sleep(Duration::from_millis(2));
+        Ok(())
+    };
+    let mut completed = 0;
+    let result = with_threads(2, || try_map(&items, work, |count, _, ()| completed = count));
+    assert_eq!(result, Err("the fourth item"));
+    let begun = begun.into_inner();
+    assert!(begun < 20 && completed < begun, "{begun} begun, {completed} completed");
+}
+
+#[test]
+fn progress_receives_every_item_with_its_result() {
+    let mut squares = Vec::new();
+    let square = |number: &u64| Ok::<u64, ()>(number * number);
+    let note = |_, item: &u64, square: &u64| squares.push((*item, *square));
+    let results = with_threads(2, || try_map(&[3, 1, 2], square, note));
+    assert_eq!(results, Ok(vec![9, 1, 4]));
+    squares.sort_unstable();
+    assert_eq!(squares, [(1, 1), (2, 4), (3, 9)]);
+}

@@ -8,10 +8,10 @@
 mod column_name;
 mod reader;
 
-use std::io::{BufRead as _, BufReader, ErrorKind, Read as _};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read};
 use std::path::Path;
 
-use super::input_file::InputFile;
+use super::input_file::{InputFile, LimitedReader};
 use crate::output::io_reason;
 use patchcord_expr::{Unit, UnitLabel};
 use reader::{MAX_LINE_BYTES, Reader};
@@ -139,6 +139,60 @@ pub fn read(path: impl AsRef<Path>, selectors: &[ColumnSelector<'_>]) -> Result<
     read_until(path.as_ref(), selectors, Reader::is_stopped)
 }
 
+/// Reads the selected columns of a text as [`read`] reads those of a file. `name` is the name of the text in messages.
+///
+/// # Errors
+/// As for [`read`].
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::csv_table::{self, ColumnSelector};
+///
+/// let text = "t (s),x (mm)\n0,1\n1,3\n";
+/// let table = csv_table::parse("measured.csv", text, &[ColumnSelector::Named("x")]);
+/// let table = table.map_err(|faults| faults[0].message.clone())?;
+/// assert_eq!(table.columns, [[1.0, 3.0]]);
+/// # Ok::<(), String>(())
+/// ```
+pub fn parse(
+    name: impl AsRef<Path>,
+    text: &str,
+    selectors: &[ColumnSelector<'_>],
+) -> Result<CsvTable, Vec<CsvFault>> {
+    let name = name.as_ref();
+    read_lines(limited(text), Reader::new(name, selectors), Reader::is_stopped)
+}
+
+/// Reads all columns of a text. A field that is not a finite number becomes NaN, so columns may contain words.
+///
+/// # Errors
+/// The faults of the text, at most ten, except fields that are not numbers.
+///
+/// # Examples
+///
+/// ```
+/// use patchcord_core::document::csv_table;
+///
+/// let table = csv_table::parse_all("measured.csv", "t,state\n0,on\n1,off\n");
+/// let table = table.map_err(|faults| faults[0].message.clone())?;
+/// assert_eq!((table.names, &table.columns[0]), (vec!["t".to_owned(), "state".to_owned()], &vec![0.0, 1.0]));
+/// assert!(table.columns[1].iter().all(|number| number.is_nan()));
+/// # Ok::<(), String>(())
+/// ```
+pub fn parse_all(name: impl AsRef<Path>, text: &str) -> Result<CsvTable, Vec<CsvFault>> {
+    let name = name.as_ref();
+    let names = read_lines(limited(text), Reader::new(name, &[]), has_names_or_stops)?.all_names;
+    let mut selectors = vec![ColumnSelector::Next; names.len()];
+    selectors.iter_mut().take(1).for_each(|first| *first = ColumnSelector::First);
+    read_lines(limited(text), Reader::new(name, &selectors).with_words(), Reader::is_stopped)
+}
+
+/// A reader of a text. Reading fails after the bytes that a file may have.
+fn limited(text: &str) -> LimitedReader<&[u8]> {
+    LimitedReader::new(text.as_bytes(), MAX_FILE_BYTES)
+}
+
 /// The names of all columns of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnNames {
@@ -167,9 +221,13 @@ pub struct ColumnNames {
 /// # }
 /// ```
 pub fn read_names(path: impl AsRef<Path>) -> Result<ColumnNames, Vec<CsvFault>> {
-    let has_names = |reader: &Reader<'_>| reader.has_names() || reader.is_stopped();
-    let table = read_until(path.as_ref(), &[], has_names)?;
+    let table = read_until(path.as_ref(), &[], has_names_or_stops)?;
     Ok(ColumnNames { names: table.all_names, line: table.names_line })
+}
+
+/// Whether a reader needs no more lines to know the names.
+fn has_names_or_stops(reader: &Reader<'_>) -> bool {
+    reader.has_names() || reader.is_stopped()
 }
 
 /// Reads the lines of a file until the reader meets a condition.
@@ -181,15 +239,26 @@ fn read_until<'a>(
     selectors: &'a [ColumnSelector<'a>],
     is_done: impl Fn(&Reader<'a>) -> bool,
 ) -> Result<CsvTable, Vec<CsvFault>> {
-    let unreadable = |error: std::io::Error| vec![unreadable(path, &error)];
-    let mut lines = BufReader::new(InputFile::open(path, MAX_FILE_BYTES).map_err(unreadable)?);
-    let mut reader = Reader::new(path, selectors);
+    let file = InputFile::open(path, MAX_FILE_BYTES).map_err(|error| vec![unreadable(path, &error)])?;
+    read_lines(file, Reader::new(path, selectors), is_done)
+}
+
+/// Passes lines to a reader until it meets a condition.
+///
+/// # Errors
+/// The faults of the file or text, at most ten.
+fn read_lines<'a>(
+    bytes: impl Read,
+    mut reader: Reader<'a>,
+    is_done: impl Fn(&Reader<'a>) -> bool,
+) -> Result<CsvTable, Vec<CsvFault>> {
+    let mut lines = BufReader::new(bytes);
     let mut line = Vec::new();
     while !is_done(&reader) {
         line.clear();
         // One byte above the limit is enough for the reader to report the line.
         let mut bounded = lines.by_ref().take(MAX_LINE_BYTES as u64 + 1);
-        match bounded.read_until(b'\n', &mut line).map_err(unreadable)? {
+        match bounded.read_until(b'\n', &mut line).map_err(|error| vec![unreadable(reader.path(), &error)])? {
             0 => break,
             _ => reader.line(&line),
         }

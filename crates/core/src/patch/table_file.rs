@@ -14,7 +14,7 @@ use super::table_access::TableAccess;
 use crate::document::csv_table::{self, ColumnSelector, CsvFault, CsvTable, UnitComment, excerpt};
 use crate::document::fields::{Fields, Findings, string};
 use crate::document::tree::Node;
-use crate::document::{Code, Diagnostic, Placed, Span};
+use crate::document::{Code, Diagnostic, Placed, Report, Span};
 use patchcord_expr::{ConversionError, Unit};
 
 /// A reference from a setting to a CSV file.
@@ -84,6 +84,48 @@ pub(super) fn read_tables(patch: &mut Patch) {
             entry.settings[table_file.setting_index] =
                 points.map(|points| Placed { value: Amount::Points(points), span: table_file.span });
         }
+    }
+}
+
+impl Patch {
+    /// The text of the document with the points of tables in place of the references to CSV files, for a reader that has
+    /// only the text. All other places are as in [`Patch::text`].
+    ///
+    /// # Errors
+    /// If a table could not be read. The report has the findings about tables.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::Patch;
+    /// use std::fs;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// fs::write(folder.path().join("pump.csv"), "t (ms),u\n0,0\n500,50\n")?;
+    /// let text = r#"{"patchcord": 1, "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+    ///     "drives": {"u": {"kind": "table", "scale": "volt", "points": {"csv": "pump.csv"}}}}"#;
+    /// let patch = Patch::parse_in(folder.path(), "p.json", text)?;
+    /// assert_eq!(patch.text_with_tables()?, text.replace(r#"{"csv": "pump.csv"}"#, "[[0.0,0.0],[0.5,50.0]]"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn text_with_tables(&self) -> Result<String, Box<Report>> {
+        if let Some(reread) = self.reread() {
+            return reread?.text_with_tables();
+        }
+        if self.tables.values().any(Option::is_none) {
+            let findings = self.findings.iter().filter(|finding| finding.code == Code::BAD_TABLE);
+            return Err(Box::new(Report::new(&self.file, self.text(), findings.cloned().collect())));
+        }
+        let mut tables: Vec<(Span, &Vec<[f64; 2]>)> =
+            self.tables.iter().filter_map(|(span, points)| Some((*span, points.as_ref()?))).collect();
+        tables.sort_by_key(|(span, _)| span.start);
+        let (mut text, mut end) = (String::new(), 0);
+        for (span, points) in tables {
+            text += &self.text()[end..span.start];
+            text += &serde_json::json!(points).to_string();
+            end = span.end;
+        }
+        Ok(text + &self.text()[end..])
     }
 }
 

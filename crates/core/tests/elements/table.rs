@@ -9,7 +9,7 @@ use crate::common::{built, element, program, random_cases, run_for, volts};
 use crate::elements::bench::{ANY, bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
-use patchcord_core::patch::{Patch, PatchBuilder};
+use patchcord_core::patch::{Patch, PatchBuilder, TableAccess};
 use patchcord_core::solve::{self, Backend, DriveTableError, Machine, RunSettings};
 
 /// The value of a table with "hold": "previous". Before the first point it has the first value.
@@ -99,6 +99,34 @@ fn units_in_a_file_are_converted() {
     let program = with_csv(csv, json!({"csv": "table.csv"}), "N");
     assert!(near(out(&run_for(&program, 1e-2, 0.0)), 10.0));
     assert!(near(out(&run_for(&program, 1e-2, 0.3)), 25.0), "half-way to 0.6 s");
+}
+
+#[test]
+fn a_text_with_the_points_of_its_tables_needs_no_files() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("force.csv"), "t (ms),f (kN)\n0,0.02\n500,0.08\n").unwrap();
+    fs::write(folder.path().join("curve.csv"), "x,y\n-100,100\n100,-100\n").unwrap();
+    let text = r#"{"patchcord": 1, "scales": {"force": {"per_volt": 2, "unit": "N"}},
+        "drives": {"E": {"kind": "table", "scale": "force", "points": {"csv": "force.csv"}, "note": "ä"}},
+        "elements": {"F1": {"kind": "function-generator", "in": "E", "points": { "csv": "curve.csv", "x": "x" }}},
+        "run": {"for": 1, "step": 0.01}, "record": ["F1"]}"#;
+    let patch = Patch::parse_in(folder.path(), "p.json", text).unwrap();
+    let inside = patch.text_with_tables().unwrap();
+    let expected = text.replace(r#"{"csv": "force.csv"}"#, "[[0.0,20.0],[0.5,80.0]]");
+    let expected = expected.replace(r#"{ "csv": "curve.csv", "x": "x" }"#, "[[-100.0,100.0],[100.0,-100.0]]");
+    assert_eq!(inside, expected);
+    let other = Patch::parse_with(TableAccess::None, "p.json", &inside).unwrap();
+    assert_eq!(other.text_with_tables().unwrap(), inside, "a text without references stays as it is");
+    Circuit::new(&other).unwrap();
+}
+
+#[test]
+fn a_table_that_cannot_be_read_has_no_text() {
+    let text = r#"{"patchcord": 1, "scales": {"volt": {"per_volt": 1, "unit": "V"}}, "record": ["A9"],
+        "drives": {"u": {"kind": "table", "scale": "volt", "points": {"csv": "no-such-table.csv"}}}}"#;
+    let report = Patch::parse("p.json", text).unwrap().text_with_tables().unwrap_err();
+    assert_eq!(report.findings.len(), 1, "{report}");
+    assert!(report.findings[0].message.contains("no-such-table.csv"), "{report}");
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! The patch of an experiment, free of errors, and the units and scales of its drives and signals.
 
-use std::path::Path;
-
 use crate::data::codes;
 use crate::data::experiment_document::ColumnBinding;
+use crate::data::file_source::FileSource;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::fields::Findings;
 use patchcord_core::document::{Code, Diagnostic, DocumentError, Placed, Report, suggestion};
@@ -29,19 +28,19 @@ pub(crate) struct BindingTarget {
 }
 
 impl CheckedPatch {
-    /// Reads the patch and compiles it. `named` is its path relative to `folder`. A fault is added to the findings.
+    /// Reads the patch that `named` names and compiles it. A fault is added to the findings.
     ///
     /// # Errors
     /// If the patch cannot be read or has errors. The error is the report of the patch, or None if there is no report
     /// because the file cannot be read.
     pub(crate) fn read(
-        folder: &Path,
+        source: FileSource<'_>,
         named: &Placed<String>,
         findings: &mut Findings,
     ) -> Result<CheckedPatch, Option<Box<Report>>> {
-        let path = folder.join(&named.value);
+        let path = source.path(&named.value);
         let bad_patch = |message: String| Diagnostic::at(codes::BAD_PATCH, named.span, message);
-        Patch::read(&path).and_then(|patch| Ok(compiled(&patch)?)).map_err(|error| match error {
+        source.patch(&named.value).and_then(|patch| Ok(compiled(&patch)?)).map_err(|error| match error {
             DocumentError::Text(report) => {
                 findings.push(bad_patch(format!("the patch {} has errors", path.display())));
                 Some(report)

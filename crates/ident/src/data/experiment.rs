@@ -10,8 +10,9 @@ use patchcord_expr::Unit;
 
 /// A patch and the data measured on the system that it models.
 ///
-/// [`Experiment::read`] reads it from a file, and [`Experiment::parse_in`] from a text. An experiment that was read is
-/// consistent: the patch has all drives, outputs and parameters that the experiment names, and all records have data.
+/// [`Experiment::read`] reads it from a file, [`Experiment::parse_in`] from a text, and [`Experiment::parse_given`]
+/// from a text whose patch and data are in memory. An experiment that was read is consistent: the patch has all
+/// drives, outputs and parameters that the experiment names, and all records have data.
 ///
 /// # Examples
 ///

@@ -10,8 +10,7 @@
 mod checks;
 
 use std::collections::HashSet;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::data::checked_patch::{BindingTarget, CheckedPatch};
 use crate::data::codes;
@@ -20,6 +19,7 @@ use crate::data::experiment::{Experiment, MeasuredDrive, MeasuredOutput};
 use crate::data::experiment_document::{
     ColumnBinding, DriveBinding, ExperimentDocument, Hold, OutputBinding, RecordSource, ValidationData,
 };
+use crate::data::file_source::FileSource;
 use crate::data::fittable::parameters_to_fit;
 use crate::data::measured_file::{MeasuredFile, RequestedColumn, read_file};
 use crate::data::record::{MIN_RECORD_SAMPLES, Record};
@@ -30,8 +30,8 @@ use patchcord_expr::Unit;
 
 /// Builds an experiment from its document.
 pub(crate) struct ExperimentBuilder<'a> {
-    /// The folder of the experiment, to which all its paths are relative.
-    pub folder: &'a Path,
+    /// Where the patch and the data files are.
+    pub source: FileSource<'a>,
     /// The document.
     pub document: &'a ExperimentDocument,
     /// All faults found so far.
@@ -93,7 +93,7 @@ impl<'a> ExperimentBuilder<'a> {
     pub(crate) fn build(mut self) -> Result<Experiment, Option<Box<Report>>> {
         let document = self.document;
         let patch = match &document.patch {
-            Some(named) => CheckedPatch::read(self.folder, named, self.findings),
+            Some(named) => CheckedPatch::read(self.source, named, self.findings),
             None => Err(None),
         };
         self.check_bindings();
@@ -206,7 +206,7 @@ impl<'a> ExperimentBuilder<'a> {
             _ => &[],
         };
         let sources = self.document.data.iter().chain(validation_sources);
-        sources.map(|source| self.folder.join(&source.file.value)).collect()
+        sources.map(|source| self.source.path(&source.file.value)).collect()
     }
 
     /// Reads data files. Files with errors are omitted.
@@ -219,9 +219,8 @@ impl<'a> ExperimentBuilder<'a> {
         let Some(sample_times) = &self.document.sample_times else { return files };
         for source in sources {
             self.check_aliases(source, sample_times);
-            let read = read_file(self.folder, source, sample_times, requested, self.findings);
-            let path = self.folder.join(&source.file.value);
-            let path = fs::canonicalize(&path).unwrap_or(path);
+            let read = read_file(self.source, source, sample_times, requested, self.findings);
+            let path = self.source.canonical_path(&source.file.value);
             files.extend(read.map(|(measured, unit_seconds)| RecordFile {
                 path,
                 source,

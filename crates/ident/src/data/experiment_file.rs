@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::data::experiment::Experiment;
 use crate::data::experiment_builder::ExperimentBuilder;
 use crate::data::experiment_document::{ExperimentDocument, read_document};
+use crate::data::file_source::{FileSource, GivenFiles};
 use patchcord_core::document::fields::Findings;
 use patchcord_core::document::{
     Code, Diagnostic, DocumentError, DocumentKind, Report, Span, read_text, tree,
@@ -91,12 +92,43 @@ impl Experiment {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn parse_in(folder: impl AsRef<Path>, file: &str, text: &str) -> Result<Experiment, ExperimentError> {
+        Experiment::parse(FileSource::Folder(folder.as_ref()), file, text)
+    }
+
+    /// Reads an experiment from a text whose patch and data are in memory. `file` is its name in reports. The checks
+    /// are those of [`Experiment::read`].
+    ///
+    /// # Errors
+    /// If the experiment, the patch or the data have errors. The error contains all of them.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::Patch;
+    /// use patchcord_ident::{Experiment, GivenFiles};
+    ///
+    /// let patch = Patch::read("../../examples/05_missing_effect/spring.json")?;
+    /// let files = GivenFiles { patch: &patch, data: &[("x.csv", "t,x\n0,1\n0.1,2\n")] };
+    /// let text = r#"{"patch": "spring.json", "data": "x.csv", "outputs": {"x": "x"}}"#;
+    /// let error = Experiment::parse_given(&files, "trial.json", text).err().ok_or("two samples are too few")?;
+    /// assert!(error.to_string().contains("x.csv has 1 sample for training, but needs 10"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn parse_given(
+        files: &GivenFiles<'_>,
+        file: &str,
+        text: &str,
+    ) -> Result<Experiment, ExperimentError> {
+        Experiment::parse(FileSource::Given(files), file, text)
+    }
+
+    /// Reads an experiment from a text. `file` is its name in reports.
+    fn parse(source: FileSource<'_>, file: &str, text: &str) -> Result<Experiment, ExperimentError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut findings = Findings::new();
         let document = document_of(text, &mut findings);
         let built = document.map(|document| {
-            ExperimentBuilder { folder: folder.as_ref(), document: &document, findings: &mut findings }
-                .build()
+            ExperimentBuilder { source, document: &document, findings: &mut findings }.build()
         });
         let (experiment, patch) = match built {
             Some(Ok(experiment)) => (Some(experiment), None),

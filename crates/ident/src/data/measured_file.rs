@@ -11,14 +11,15 @@ mod even_times;
 mod units;
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::data::codes;
 use crate::data::experiment_document::{RecordSource, SampleTimes};
+use crate::data::file_source::FileSource;
 use crate::data::measured_file::even_times::MAX_JITTER;
 use patchcord_core::document::csv_table::{ColumnSelector, CsvFault, CsvTable};
 use patchcord_core::document::fields::Findings;
-use patchcord_core::document::{Code, Diagnostic, Placed, Span, csv_table, plural};
+use patchcord_core::document::{Code, Diagnostic, Placed, Span, plural};
 use patchcord_expr::Unit;
 
 /// A column to read, with what the experiment and the patch specify for it.
@@ -90,18 +91,28 @@ impl MeasuredFile {
 /// Reads the requested columns of a file. Returns the data and the seconds per unit of time in the file. None if the
 /// file has an error; the findings then contain it.
 pub(crate) fn read_file(
-    folder: &Path,
+    files: FileSource<'_>,
     source: &RecordSource,
     sample_times: &SampleTimes,
     requested: &[RequestedColumn<'_>],
     findings: &mut Findings,
 ) -> Option<(MeasuredFile, f64)> {
-    FileReader { path: &folder.join(&source.file.value), source, sample_times, requested }.read(findings)
+    let path = files.path(&source.file.value);
+    FileReader { files, path, source, sample_times, requested }.read(findings)
+}
+
+/// The message about a file with fewer than the two rows that an even grid of times needs. None if it has enough.
+pub(crate) fn too_few_rows(path: &Path, rows: &CsvTable) -> Option<String> {
+    let count = rows.lines.len();
+    (count < 2).then(|| format!("{} has {} of data, but needs 2", path.display(), plural(count, "row")))
 }
 
 /// The inputs for reading one file.
 struct FileReader<'a> {
-    path: &'a Path,
+    /// Where the file is.
+    files: FileSource<'a>,
+    /// The path of the file in messages.
+    path: PathBuf,
     source: &'a RecordSource,
     sample_times: &'a SampleTimes,
     requested: &'a [RequestedColumn<'a>],
@@ -110,7 +121,7 @@ struct FileReader<'a> {
 impl FileReader<'_> {
     /// Reads the file. Returns the data and the seconds per unit of time.
     fn read(&self, findings: &mut Findings) -> Option<(MeasuredFile, f64)> {
-        let mut rows = match csv_table::read(self.path, &self.csv_columns()) {
+        let mut rows = match self.table(&self.csv_columns()) {
             Ok(rows) => rows,
             Err(faults) => {
                 self.check_times(findings);
@@ -138,19 +149,25 @@ impl FileReader<'_> {
         is_converted.then_some((measured, unit_seconds?))
     }
 
+    /// Reads columns of the file.
+    ///
+    /// # Errors
+    /// The faults of the file, at most ten.
+    fn table(&self, selectors: &[ColumnSelector<'_>]) -> Result<CsvTable, Vec<CsvFault>> {
+        self.files.table(&self.source.file.value, selectors)
+    }
+
     /// Checks that the file has at least two rows, which an even grid of times needs.
     fn check_row_count(&self, rows: &CsvTable) -> Result<(), Diagnostic> {
-        let count = rows.lines.len();
-        if count >= 2 {
-            return Ok(());
+        match too_few_rows(&self.path, rows) {
+            Some(message) => Err(Diagnostic::at(codes::TOO_FEW_SAMPLES, self.source.file.span, message)),
+            None => Ok(()),
         }
-        let message = format!("{} has {} of data, but needs 2", self.path.display(), plural(count, "row"));
-        Err(Diagnostic::at(codes::TOO_FEW_SAMPLES, self.source.file.span, message))
     }
 
     /// Reports faults of the times of a file that has a fault in another column.
     fn check_times(&self, findings: &mut Findings) {
-        let Ok(times) = csv_table::read(self.path, &self.csv_columns()[..self.time_columns()]) else {
+        let Ok(times) = self.table(&self.csv_columns()[..self.time_columns()]) else {
             return;
         };
         if let Err(finding) = self.check_row_count(&times) {

@@ -4,9 +4,10 @@
 //! minimises the sum of squared residuals from one start. [`schedule`] and `estimation` choose among several starts.
 //! [`base_fit`] fits the patch as it is, and [`extended_model`] fits it with one more effect. `validation` applies the
 //! fitted parameters to the records that were held back. [`intervals`] computes standard errors and confidence
-//! intervals.
+//! intervals. [`simulation`] runs the patch without a fit. `cancellation` ends the runs of a search.
 
 pub mod base_fit;
+pub(crate) mod cancellation;
 pub mod coloured_residual;
 pub mod estimate;
 pub(crate) mod estimation;
@@ -22,6 +23,7 @@ pub mod problem;
 pub(crate) mod problem_setup;
 pub mod schedule;
 pub mod signal_extents;
+pub mod simulation;
 pub(crate) mod start_cache;
 pub mod starts;
 pub mod step_size;

@@ -2,7 +2,7 @@
 //!
 //! A [`FitProgram`] is a patch compiled for fitting: drives that records feed are tables, and initial voltages are
 //! parameters. A [`Model`] is that program with the drives of each record. [`Model::run`] returns the outputs for
-//! several sets of values in one batch.
+//! several sets of values in one batch. After a cancellation all runs fail.
 
 mod fit_parameter;
 mod fit_program;
@@ -11,6 +11,7 @@ use crate::data::drive_timing::RECORD_START;
 use crate::data::experiment::MeasuredDrive;
 use crate::data::interpolation::table_points;
 use crate::data::record::Record;
+use crate::fit::cancellation::Cancellation;
 use patchcord_core::document::{Phase, Report};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{EditError, Patch};
@@ -41,6 +42,8 @@ pub struct Model {
     outputs: Vec<String>,
     /// For every record the number of samples.
     sample_counts: Vec<usize>,
+    /// Ends all runs.
+    cancellation: Cancellation,
 }
 
 /// Why a patch cannot be a model of the records.
@@ -59,10 +62,26 @@ pub enum ModelError {
     /// A record cannot feed a drive.
     #[error(transparent)]
     DriveTable(#[from] DriveTableError),
+    /// The flag of `SearchSettings::with_cancel` was set.
+    #[error("the search was cancelled")]
+    Cancelled,
 }
 
 /// The outputs of one run: for every output its values at the samples, in the unit of the output.
 pub type OutputTrajectory = Vec<Vec<f64>>;
+
+/// A record, simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedRecord {
+    /// For every output of the experiment its values at the samples of the record, in the unit of the output. If the
+    /// run stops early, the later values are NaN.
+    pub outputs: OutputTrajectory,
+    /// The first overload, with its time in seconds from the first sample of the record. None if no amplifier is
+    /// overloaded.
+    pub overload: Option<Overload>,
+    /// Why the run stopped early. None if it is complete.
+    pub stopped: Option<RunError>,
+}
 
 impl Model {
     /// A model of `records`.
@@ -93,7 +112,13 @@ impl Model {
             initial,
             outputs: outputs.to_vec(),
             sample_counts: records.iter().map(Record::len).collect(),
+            cancellation: Cancellation::default(),
         })
+    }
+
+    /// The same model, whose runs a cancellation ends.
+    pub(super) fn with_cancellation(self, cancellation: &Cancellation) -> Model {
+        Model { cancellation: cancellation.clone(), ..self }
     }
 
     /// The same model for one of its records.
@@ -105,6 +130,7 @@ impl Model {
             initial: self.initial.clone(),
             outputs: self.outputs.clone(),
             sample_counts: vec![self.sample_counts[record]],
+            cancellation: self.cancellation.clone(),
         }
     }
 
@@ -130,7 +156,7 @@ impl Model {
     }
 
     /// Runs one record with several sets of values, in one batch. `None` for a run that stopped early or has values
-    /// that are not finite.
+    /// that are not finite, and for all runs after a cancellation.
     pub fn run(&self, record: usize, values: &[RunValues]) -> Vec<Option<OutputTrajectory>> {
         self.run_batch(record, &self.settings[record], values.iter().map(|values| (values, None)), |_| true)
     }
@@ -160,8 +186,37 @@ impl Model {
         runs.collect()
     }
 
+    /// Runs one record with changed parameters: names and values in declared units.
+    ///
+    /// # Errors
+    /// If a parameter is unknown or outside its range, or the run cannot begin.
+    pub(super) fn simulate(
+        &self,
+        record: usize,
+        changes: &[(String, f64)],
+    ) -> Result<SimulatedRecord, ModelError> {
+        let mut program = self.programs[record].clone();
+        let changes = changes.iter().map(|(name, value)| (name, *value));
+        program.set_parameters(changes).map_err(RunError::from)?;
+        let (trace, stopped) = match solve::run(&program, &self.settings_with_lamps(record)) {
+            Ok(trace) => (trace, None),
+            Err(stopped) if stopped.trace.is_empty() => return Err(stopped.error.into()),
+            Err(stopped) => (*stopped.trace, Some(stopped.error)),
+        };
+        let output_values = |name: &String| {
+            let mut values = trace.values(name).unwrap_or_default();
+            values.resize(self.sample_counts[record], f64::NAN);
+            values
+        };
+        let outputs = self.outputs.iter().map(output_values).collect();
+        Ok(SimulatedRecord { outputs, overload: trace.overloads().next().cloned(), stopped })
+    }
+
     /// The first overload of a run along one record. `None` if there is no overload or the run fails.
     pub(crate) fn first_overload(&self, record: usize, values: &RunValues) -> Option<Overload> {
+        if self.cancellation.is_requested() {
+            return None;
+        }
         let program = self.program_with_values(record, values, None)?;
         run_batch(&[program], &self.settings_with_lamps(record)).pop()?.ok()?.overloads().next().cloned()
     }
@@ -181,8 +236,9 @@ impl Model {
         is_accepted: impl Fn(&Trace) -> bool,
     ) -> Vec<Option<OutputTrajectory>> {
         let mut programs = Vec::new();
+        let is_cancelled = self.cancellation.is_requested();
         let is_valid = values.map(|(values, table)| {
-            let program = self.program_with_values(record, values, table);
+            let program = if is_cancelled { None } else { self.program_with_values(record, values, table) };
             let is_valid = program.is_some();
             programs.extend(program);
             is_valid

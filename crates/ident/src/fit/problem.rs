@@ -3,8 +3,12 @@
 //! A [`Problem`] contains everything about the data that a fit needs and nothing about the patch. It makes the
 //! [`Model`] and the [`FitProblem`] of any variant of the patch, so that all variants are fitted to the same data.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use crate::data::experiment::MeasuredDrive;
 use crate::data::record::Record;
+use crate::fit::cancellation::Cancellation;
 use crate::fit::estimate::Estimate;
 use crate::fit::fitted_model::ModelVariant;
 use crate::fit::levenberg_marquardt::{CONVERGENCE_RATIO, DampingSchedule, FitProblem, MAX_ITERATIONS};
@@ -52,12 +56,19 @@ pub struct Problem {
     pub is_cut: bool,
     /// Solver steps per sample that are sufficient for the patch as it is.
     pub steps: u32,
+    /// Ends the runs of all models of this problem.
+    pub(crate) cancellation: Cancellation,
 }
 
 /// The least number of samples of a piece. A record with fewer than twice as many samples is not cut.
 const MIN_PIECE_SAMPLES: usize = 40;
 
 impl Problem {
+    /// The same problem, whose runs end when a flag is set.
+    pub(crate) fn with_cancel(&self, flag: &Arc<AtomicBool>) -> Problem {
+        Problem { cancellation: Cancellation::by(flag), ..self.clone() }
+    }
+
     /// The values of one output in the model: data - sigma * residual. NaN if a datum is missing.
     pub(crate) fn model_output(&self, record: &Record, residuals: &[Vec<f64>], output: usize) -> Vec<f64> {
         let sigma = self.sigma[output];
@@ -71,15 +82,16 @@ impl Problem {
     /// The model of a variant: it runs along `records` and returns the signals `outputs`.
     ///
     /// # Errors
-    /// If the patch cannot be compiled or a record cannot feed it.
+    /// If the patch cannot be compiled, a record cannot feed it, or the search is cancelled.
     pub(crate) fn model(
         &self,
         variant: &ModelVariant,
         records: &[Record],
         outputs: &[String],
     ) -> Result<Model, ModelError> {
+        self.cancellation.check()?;
         let program = variant.fit_program(&self.drives)?;
-        Model::new(
+        let model = Model::new(
             &program,
             variant.patch(),
             records,
@@ -87,7 +99,8 @@ impl Problem {
             &variant.initial_states,
             outputs,
             variant.steps,
-        )
+        )?;
+        Ok(model.with_cancellation(&self.cancellation))
     }
 
     /// The least-squares problem of a model and its records, with default settings.

@@ -5,6 +5,7 @@ use crate::data::drive_timing::restarting_drives;
 use crate::data::experiment::Experiment;
 use crate::data::noise_level::{drive_noise, max_over_records, min_noise, output_noise};
 use crate::data::record::Record;
+use crate::fit::cancellation::Cancellation;
 use crate::fit::model::ModelError;
 use crate::fit::problem::{Problem, cut_records};
 use crate::fit::step_size::steps_per_sample;
@@ -53,6 +54,7 @@ impl Problem {
             validation: cut(&experiment.validation),
             is_cut: experiment.piece_duration.is_some(),
             steps: 1,
+            cancellation: Cancellation::default(),
         };
         problem.steps = steps_per_sample(&problem, &experiment.patch, &experiment.fit)?;
         Ok(problem)

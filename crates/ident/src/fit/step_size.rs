@@ -182,6 +182,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::data::record::Record;
     use crate::fit::base_fit::fit_base;
+    use crate::fit::cancellation::Cancellation;
 
     /// The rate of the decay, per sample.
     pub(crate) const RATE: f64 = 2.0;
@@ -228,6 +229,7 @@ pub(crate) mod tests {
             validation: records,
             is_cut: false,
             steps,
+            cancellation: Cancellation::default(),
         }
     }
 

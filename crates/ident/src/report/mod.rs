@@ -29,6 +29,7 @@ pub mod fit_quality;
 pub mod labels;
 pub mod localisation;
 mod page;
+pub mod progress;
 pub mod provenance;
 pub mod ranges;
 pub mod reasons;

@@ -1,4 +1,4 @@
-//! Reasons why data are inconclusive, as sentences with advice.
+//! Reasons why data are inconclusive, as sentences with advice, and why a patch cannot be fitted at all.
 //!
 //! Each sentence names the output or drive concerned, gives the numbers on which the decision is based, and ends with
 //! advice. The sentences have no full stop, because they follow "inconclusive: " in the verdict.
@@ -16,6 +16,14 @@ use patchcord_core::document::plural;
 
 /// Advice for a fit that diverges.
 const DIVERGENCE_ADVICE: &str = "check the signs in the loops of the patch, or write \"pieces\" in the experiment if the real system is unstable";
+
+/// The sentence if a patch can be run from none of the starts of a fit. `patch` is its file.
+pub fn no_run_sentence(patch: &str) -> String {
+    format!(
+        "{patch} cannot be run with the data from any of the starting points: check its scales \
+         and the ranges of the fitted parameters, or divide the records with \"pieces\" in the experiment"
+    )
+}
 
 /// Why the data are inconclusive. `extension` is the fit with wider ranges, if there is one.
 ///

@@ -60,7 +60,7 @@ const MAX_EFFECTS: usize = 3;
 /// is called before and during each phase. Returns None if the patch can be run from none of the starts.
 ///
 /// # Errors
-/// If the patch cannot be simulated with the drives of the records.
+/// If the patch cannot be simulated with the drives of the records, or the search is cancelled.
 ///
 /// # Examples
 ///
@@ -81,9 +81,14 @@ pub fn search(
     settings: &SearchSettings<'_>,
     mut progress: impl FnMut(Progress) + Send,
 ) -> Result<Option<Outcome>, ModelError> {
-    parallel::with_threads(settings.threads, || {
+    let cancellable = settings.cancel.map(|flag| problem.with_cancel(flag));
+    let problem = cancellable.as_ref().unwrap_or(problem);
+    let outcome = parallel::with_threads(settings.threads, || {
         search_on_threads(experiment, problem, settings, &mut progress)
-    })
+    });
+    // The results of a cancelled search are incomplete.
+    problem.cancellation.check()?;
+    outcome
 }
 
 /// The search itself, on the threads that [`search`] provides.

@@ -18,8 +18,22 @@ pub enum SearchPhase {
     Localisation,
 }
 
+/// A completed trial: an effect at a site, fitted.
+///
+/// Trials run on several threads, so their order varies. An effect with several forms has a trial for each of them, and
+/// the best trials are fitted again in later phases.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TrialResult {
+    /// The effect and the element on which it acts.
+    pub effect: PlacedEffect,
+    /// The rms of the training residuals, in units of the noise, of the best fit of this trial so far. None if the
+    /// effect cannot be tried at the site, or the patch with it cannot be run.
+    pub residual_rms: Option<f64>,
+}
+
 /// The current phase of a search, its completed work, and what is found so far.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
     /// Number of the effect that is searched for, from 1. Zero outside rounds.
@@ -34,11 +48,13 @@ pub struct Progress {
     pub added: Vec<PlacedEffect>,
     /// The effect with the smallest residual so far among the trials of this round. None before the first trial.
     pub best: Option<PlacedEffect>,
+    /// The trial that was completed just now. None at the beginning of a phase.
+    pub trial: Option<TrialResult>,
 }
 
 impl Progress {
     /// The beginning of a phase that does not count trials.
     pub(crate) fn of(phase: SearchPhase) -> Progress {
-        Progress { round: 0, phase, done: 0, total: 0, added: Vec::new(), best: None }
+        Progress { round: 0, phase, done: 0, total: 0, added: Vec::new(), best: None, trial: None }
     }
 }

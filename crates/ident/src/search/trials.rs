@@ -21,7 +21,7 @@ use crate::fit::problem::Problem;
 use crate::fit::schedule::Effort;
 use crate::fit::signal_extents::SignalExtents;
 use crate::fit::signal_extents::signal_extents;
-use crate::search::progress::{Progress, SearchPhase};
+use crate::search::progress::{Progress, SearchPhase, TrialResult};
 use crate::search::round::{Round, can_be_visible};
 use crate::search::settings::SearchSettings;
 use patchcord_analysis::parallel;
@@ -45,8 +45,9 @@ type FittedTrial = (Candidate, FittedModel);
 type TrialSlot = Option<FittedTrial>;
 /// The trial with the smallest chi2 so far, as its index, and this chi2. None before the first fit.
 type BestTrial = Mutex<Option<(usize, f64)>>;
-/// Receives the phase, the number of completed trials and the number of all trials of the phase.
-type ReportProgress<'p> = dyn FnMut(SearchPhase, u64, usize) + Send + 'p;
+/// Receives the phase, the number of completed trials, the number of all trials of the phase, and the trial that was
+/// completed just now.
+type ReportProgress<'p> = dyn FnMut(SearchPhase, u64, usize, Option<TrialResult>) + Send + 'p;
 
 /// Fits every effect at every site to one patch.
 pub(crate) struct TrialRunner<'a> {
@@ -68,41 +69,65 @@ impl TrialRunner<'_> {
     /// Runs all trials. Returns the fitted ones in the order of `placements`, and the effects that could not be tried.
     ///
     /// # Errors
-    /// If the patch cannot be simulated with the drives of the records.
+    /// If the patch cannot be simulated with the drives of the records, or the search is cancelled.
     pub(crate) fn run(
         &self,
         report: &mut ReportProgress<'_>,
     ) -> Result<(Vec<FittedTrial>, Vec<SkippedTrial>), ModelError> {
-        let (mut slots, skipped) = self.fit_quickly(report);
+        let (mut slots, skipped) = self.fit_quickly(report)?;
         let full = if self.previous.is_some() { REPEATED_FULL_TRIALS } else { FULL_TRIALS };
         let mut fitted = self.survivors(&slots, full);
-        self.fit_harder(&mut slots, &fitted, Effort::FULL, SearchPhase::Full, report);
+        self.fit_harder(&mut slots, &fitted, Effort::FULL, SearchPhase::Full, report)?;
         loop {
             let more = self.overlooked(&slots, &fitted);
             if more.is_empty() {
                 break;
             }
-            self.fit_harder(&mut slots, &more, Effort::FULL, SearchPhase::Full, report);
+            self.fit_harder(&mut slots, &more, Effort::FULL, SearchPhase::Full, report)?;
             fitted.extend(more);
         }
         let is_far = fitted.iter().flat_map(|trial| &slots[*trial]).all(|(_, model)| model.is_poor());
         if is_far && !self.problem.is_cut {
             let growing = self.survivors(&slots, GROWING_TRIALS);
-            self.fit_harder(&mut slots, &growing, Effort::GROWING, SearchPhase::Growing, report);
+            self.fit_harder(&mut slots, &growing, Effort::GROWING, SearchPhase::Growing, report)?;
         }
         Ok((self.finish_near_best(slots.into_iter().flatten().collect())?, skipped))
     }
 
     /// Fits a trial, and remembers it if it is the best so far.
-    fn fit(&self, trial: usize, request: TrialRequest<'_>) -> Result<FittedTrial, SkipReason> {
-        let (candidate, model) =
-            fit_trial(self.problem, self.model, &self.placements[trial], self.peaks, request)?;
-        remember_best(&mut self.best.lock().unwrap_or_else(PoisonError::into_inner), trial, model.train.chi2);
-        Ok((candidate, model))
+    ///
+    /// # Errors
+    /// If the search is cancelled before the trial or during it. A trial that was cut short has no result.
+    fn fit(
+        &self,
+        trial: usize,
+        request: TrialRequest<'_>,
+    ) -> Result<Result<FittedTrial, SkipReason>, ModelError> {
+        self.problem.cancellation.check()?;
+        let fitted = fit_trial(self.problem, self.model, &self.placements[trial], self.peaks, request);
+        self.problem.cancellation.check()?;
+        if let Ok((_, model)) = &fitted {
+            let mut best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
+            remember_best(&mut best, trial, model.train.chi2);
+        }
+        Ok(fitted)
+    }
+
+    /// A completed trial with the smallest residual of these fits.
+    fn trial_result<'m>(&self, trial: usize, fits: impl Iterator<Item = &'m FittedTrial>) -> TrialResult {
+        let residuals = fits.map(|(_, model)| model.train.normalised_rms()).filter(|rms| rms.is_finite());
+        let effect = self.placements[trial].placed_effect();
+        TrialResult { effect, residual_rms: residuals.min_by(f64::total_cmp) }
     }
 
     /// Fits all trials quickly.
-    fn fit_quickly(&self, report: &mut ReportProgress<'_>) -> (Vec<TrialSlot>, Vec<SkippedTrial>) {
+    ///
+    /// # Errors
+    /// If the search is cancelled.
+    fn fit_quickly(
+        &self,
+        report: &mut ReportProgress<'_>,
+    ) -> Result<(Vec<TrialSlot>, Vec<SkippedTrial>), ModelError> {
         let trials: Vec<usize> = (0..self.placements.len()).collect();
         let target_chi2 = self.model.train.chi2;
         let fit = |trial: &usize| {
@@ -113,16 +138,17 @@ impl TrialRunner<'_> {
                 TrialRequest { effort: Effort::QUICK, target_chi2, previous: None, effect_values },
             )
         };
-        report(SearchPhase::Quick, 0, trials.len());
-        let results = parallel::map(&trials, fit, |done| {
-            report(SearchPhase::Quick, done, trials.len());
-        });
+        report(SearchPhase::Quick, 0, trials.len(), None);
+        let results = parallel::try_map(&trials, fit, |done, trial, result| {
+            let result = self.trial_result(*trial, result.iter());
+            report(SearchPhase::Quick, done, trials.len(), Some(result));
+        })?;
         let mut skipped = Vec::new();
         let slots = self.placements.iter().zip(results).map(|(placement, result)| {
             result.map_err(|reason| skipped.push(SkippedTrial::new(placement, reason))).ok()
         });
         let slots = slots.collect();
-        (slots, skipped)
+        Ok((slots, skipped))
     }
 
     /// The `count` best trials, and the trial of the previous fit in addition.
@@ -135,6 +161,9 @@ impl TrialRunner<'_> {
     }
 
     /// Fits some trials with more effort. A slot keeps its earlier fit if the new one fails or is worse.
+    ///
+    /// # Errors
+    /// If the search is cancelled.
     fn fit_harder(
         &self,
         slots: &mut [TrialSlot],
@@ -142,7 +171,7 @@ impl TrialRunner<'_> {
         effort: Effort,
         phase: SearchPhase,
         report: &mut ReportProgress<'_>,
-    ) {
+    ) -> Result<(), ModelError> {
         let without = self.model.train.chi2;
         let first = best_trials(slots, 1).first().copied();
         // A fit that cannot reach the chi2 of the best trial may stop early.
@@ -156,15 +185,20 @@ impl TrialRunner<'_> {
         let fit = |trial: &usize| {
             let target_chi2 = if Some(*trial) == first { without } else { smallest };
             let previous = slots[*trial].as_ref().map(|(_, model)| model);
-            self.fit(*trial, TrialRequest { effort, target_chi2, previous, effect_values: None }).ok()
+            let request = TrialRequest { effort, target_chi2, previous, effect_values: None };
+            self.fit(*trial, request).map(Result::ok)
         };
-        report(phase, 0, order.len());
-        let refits = parallel::map(&order, fit, |done| report(phase, done, order.len()));
+        report(phase, 0, order.len(), None);
+        let refits = parallel::try_map(&order, fit, |done, trial, refit| {
+            let result = self.trial_result(*trial, slots[*trial].iter().chain(refit));
+            report(phase, done, order.len(), Some(result));
+        })?;
         for (trial, refit) in order.iter().zip(refits) {
             let is_complete = refit.is_some();
             slots[*trial] = better_of(slots[*trial].take(), refit);
             slots[*trial].iter_mut().for_each(|(_, model)| model.is_thorough |= is_complete);
         }
+        Ok(())
     }
 
     /// Trials outside `fitted` that may still overtake the best one, although their quick fits are not among the
@@ -238,7 +272,7 @@ fn better_of(one: TrialSlot, other: TrialSlot) -> TrialSlot {
 /// repeated.
 ///
 /// # Errors
-/// If the patch cannot be simulated with the drives of the records.
+/// If the patch cannot be simulated with the drives of the records, or the search is cancelled.
 pub(crate) fn run_round(
     problem: &Problem,
     model: &FittedModel,
@@ -257,11 +291,11 @@ pub(crate) fn run_round(
     let number = effects.len() + 1;
     let added: Vec<PlacedEffect> = effects.iter().map(Candidate::placed_effect).collect();
     let best = BestTrial::default();
-    let mut report = |phase, done, total: usize| {
+    let mut report = |phase, done, total: usize, trial: Option<TrialResult>| {
         let best = *best.lock().unwrap_or_else(PoisonError::into_inner);
         let best = best.map(|(trial, _)| placements[trial].placed_effect());
         let (total, added) = (total as u64, added.clone());
-        progress(Progress { round: number, phase, done, total, added, best });
+        progress(Progress { round: number, phase, done, total, added, best, trial });
     };
     let runner =
         TrialRunner { problem, model, peaks: &peaks, placements: &placements, previous, best: &best };

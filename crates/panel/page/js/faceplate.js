@@ -1,6 +1,7 @@
 /** The faceplate of a machine: where its modules and jacks are, and their picture. */
 
 import { keyed, quantity, shape, svg } from './dom.js';
+import { read } from './resources.js';
 
 const [PITCH, ROW, PAD, GAP, MARGIN, HEAD] = [28, 46, 9, 14, 24, 44];
 /** Sections become wider by at most this factor, so that a row fills the panel. */
@@ -9,7 +10,7 @@ const STRETCH = 1.3;
 const isGain = ({ name }) => /^x\d/.test(name);
 
 /** Reads a file of the folder of faceplates. */
-export const faceplate = async (name) => (await fetch(`faceplates/${name}.json`)).json();
+export const faceplate = async (name) => (await read(`faceplates/${name}.json`)).json();
 
 /** The sections with their modules. An unlimited machine has a free module in each section that is always shown. */
 function fill(plate, { elements, outputs, parts }, kinds) {

@@ -6,6 +6,7 @@ import { pieces, showGallery } from './gallery.js';
 import { bind } from './keys.js';
 import { token } from './link.js';
 import { toast } from './messages.js';
+import { read } from './resources.js';
 import { baseName, share, takeLink, textOf } from './share.js';
 import { ask, on, send, state } from './state.js';
 
@@ -83,8 +84,8 @@ function mountDrop() {
   });
 }
 
-async function fetchText(url) {
-  const answer = await fetch(url, { redirect: 'error' }).catch(() => null);
+async function textAt(path, url) {
+  const answer = await read(path, url).catch(() => null);
   if (!answer?.ok) throw new Error(`There is no patch at ${url.pathname}. Check the address.`);
   return textOf(answer.body, LARGEST_FILE, 'The patch');
 }
@@ -93,11 +94,12 @@ async function fetchText(url) {
 async function openAt(name) {
   const isPiece = (await pieces()).some(({ path }) => path === name);
   const folder = new URL('.', document.baseURI);
-  const url = new URL(isPiece ? `patches/${name}` : name, folder);
+  const path = isPiece ? `patches/${name}` : name;
+  const url = new URL(path, folder);
   if (!url.href.startsWith(folder.href)) {
     throw new Error('The page opens patches in its own folder only. Save the file and drop it here.');
   }
-  return openText(baseName(decodeURIComponent(url.pathname)), await fetchText(url), isPiece ? name : null);
+  return openText(baseName(decodeURIComponent(url.pathname)), await textAt(path, url), isPiece ? name : null);
 }
 
 async function openNamed() {
@@ -110,11 +112,11 @@ async function openLink() {
   return link !== null && await mayReplace() && openText(link.name, link.text);
 }
 
-/** Opens the patch with which the server was started. */
+/** Opens the patch with which the server was started, or that of an exported page. */
 async function openGiven() {
-  const { kind, patch } = state.host ?? {};
-  if (kind !== 'server' || !patch) return false;
-  return openText(patch, await fetchText(new URL(`patch?token=${encodeURIComponent(token())}`, document.baseURI)));
+  const { patch, text } = state.host ?? {};
+  if (!patch) return false;
+  return openText(patch, text ?? await textAt('patch', new URL(`patch?token=${encodeURIComponent(token())}`, document.baseURI)));
 }
 
 const GALLERY = {

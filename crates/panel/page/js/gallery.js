@@ -2,6 +2,7 @@
 
 import { forget, recent } from './autosave.js';
 import { byId, el, filter, quantity, template } from './dom.js';
+import { addressOf, read } from './resources.js';
 import { on } from './state.js';
 
 /**
@@ -14,7 +15,7 @@ let list = null;
 
 /** The shipped patches. */
 export function pieces() {
-  list ??= fetch('gallery.json').then((answer) => (answer.ok ? answer.json() : [])).catch(() => []);
+  list ??= read('gallery.json').then((answer) => (answer.ok ? answer.json() : [])).catch(() => []);
   return list;
 }
 
@@ -24,7 +25,7 @@ const [dialog, search, body, status] = ['dialog', 'search', 'body', 'status'].ma
 function cardOf(id, picture, texts, run) {
   const parts = template(id, texts);
   const { image, link } = parts;
-  image.src = picture ?? 'icon.svg';
+  image.src = addressOf(picture ?? 'icon.svg', 'image/svg+xml');
   link.onclick = (event) => {
     // The browser opens links in other tabs.
     if (event.ctrlKey || event.metaKey || event.shiftKey) return;

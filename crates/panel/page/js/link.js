@@ -1,13 +1,16 @@
 /**
- * The way to the session: a server behind a WebSocket or an engine in a Worker. Both answer requests in order.
+ * The way to a session or a comparison: a server behind a WebSocket or an engine in a Worker. Both answer requests in order.
  *
  * @typedef {{text: string, frame: ArrayBuffer | null}} Answer
- * @typedef {{kind: 'server' | 'worker', patch?: string | null, request: (text: string) => Promise<Answer>,
- *   lost: Promise<string>}} Link  `patch` is the name of the patch that the host opens first; `lost` resolves with a
- *   message when the host no longer answers.
+ * @typedef {{kind: 'server' | 'worker', patch?: string | null, text?: string, request: (text: string) => Promise<Answer>,
+ *   lost: Promise<string>, onpartial: (text: string) => void, close: () => void}} Link  `patch` is the name of the patch that
+ *   the host opens first, and `text` its text if it is in host.json; `lost` resolves with a message when the host no longer
+ *   answers. `onpartial` gets the partial responses to a request. `close` ends the host at once: open requests fail, and
+ *   `lost` stays open.
  */
 
 import { stored } from './dom.js';
+import { addressOf, isInside, read } from './resources.js';
 
 /**
  * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
@@ -23,36 +26,57 @@ export function token() {
   return stored('token') ?? '';
 }
 
-/** A link that gives answers to its requests in their order. `post` sends a request. */
-function linkOf(kind, post) {
+/** The kind of the host in host.json. */
+let kind = '';
+
+/** A link that gives answers to its requests in their order. `post` sends a request, and `end` ends the host. */
+function linkOf(post, end) {
   const open = [];
   const { promise: lost, resolve: lose } = Promise.withResolvers();
   const request = (text) => new Promise((resolve, reject) => {
     open.push({ resolve, reject });
     post(text);
   });
+  const fail = (message) => {
+    for (const { reject } of open.splice(0)) reject(new Error(message));
+  };
+  /** @type {Link} */
+  const link = {
+    kind,
+    request,
+    lost,
+    onpartial() {},
+    close() {
+      end();
+      fail('The connection was closed.');
+    },
+  };
   return {
-    /** @type {Link} */
-    link: { kind, request, lost },
+    link,
     answer: (text, frame = null) => open.shift()?.resolve({ text, frame }),
     close(message) {
-      for (const { reject } of open.splice(0)) reject(new Error(message));
+      fail(message);
       lose(message);
     },
   };
 }
 
 /** @returns {Promise<Link>} */
-function connectServer() {
-  const address = new URL(`session?token=${encodeURIComponent(token())}`, document.baseURI);
+function connectServer(path) {
+  const address = new URL(`${path}?token=${encodeURIComponent(token())}`, document.baseURI);
   address.protocol = address.protocol.replace('http', 'ws');
   const socket = new WebSocket(address);
   socket.binaryType = 'arraybuffer';
-  const { link, answer, close } = linkOf('server', (request) => socket.send(request));
+  const { link, answer, close } = linkOf((request) => socket.send(request), () => {
+    socket.onmessage = socket.onclose = null;
+    socket.close();
+  });
   let text = '';
   socket.onmessage = ({ data }) => {
+    const { frame, partial } = typeof data === 'string' ? JSON.parse(data) : {};
     if (typeof data !== 'string') answer(text, data);
-    else if (JSON.parse(data).frame) text = data;
+    else if (partial) link.onpartial(data);
+    else if (frame) text = data;
     else answer(data);
   };
   return new Promise((resolve, reject) => {
@@ -66,31 +90,45 @@ function connectServer() {
   });
 }
 
-/** @returns {Link} */
-function connectWorker() {
-  const worker = new Worker('worker/engine.js', { type: 'module' });
+/** @returns {Promise<Link>} */
+async function connectWorker(module) {
+  const inside = isInside(module);
+  // A module that the document has is sent. Otherwise the Worker fetches the one that its address names.
+  const query = inside ? '' : `?module=${module}`;
+  const worker = new Worker(addressOf('worker/engine.js', 'text/javascript') + query, { type: 'module' });
   let id = 0;
-  const { link, answer, close } = linkOf('worker', (text) => {
+  const { link, answer, close } = linkOf((text) => {
     id += 1;
     worker.postMessage({ id, text });
-  });
+  }, () => worker.terminate());
   const fail = (message) => {
     worker.terminate();
     close(message);
   };
   worker.onmessage = ({ data }) => {
     if (data.failed) fail(data.failed);
+    else if (data.partial) link.onpartial(data.text);
     else answer(data.text, data.frame);
   };
   worker.onerror = (event) => fail(event.message || 'The engine could not be loaded. Load the page again.');
+  if (inside) worker.postMessage({ module: await (await read(module)).arrayBuffer() });
   return link;
 }
+
+/** Connects to a path of the server, or to a module in a Worker. */
+const connectTo = (path, module) => (kind === 'server' ? connectServer(path) : connectWorker(module));
 
 /** Connects to the host that host.json names. @returns {Promise<Link>} */
 export async function connect() {
   token();
-  const answer = await fetch('host.json');
+  const answer = await read('host.json');
   if (!answer.ok) throw new Error('The file host.json is missing next to the page.');
-  const { host, patch } = await answer.json();
-  return { ...await (host === 'server' ? connectServer() : connectWorker()), patch };
+  const { host, patch, text } = await answer.json();
+  kind = host;
+  return Object.assign(await connectTo('session', 'engine.wasm'), { patch, text });
+}
+
+/** Begins a comparison with measured data at the same host. @returns {Promise<Link>} */
+export async function connectComparison() {
+  return connectTo('compare', 'search.wasm');
 }

@@ -113,6 +113,7 @@ async function start() {
   await begin();
 }
 
+byId('unstarted').remove();
 mountControls();
 mountTitle();
 mountMessages(start);

@@ -4,7 +4,7 @@ import { dial } from './dial.js';
 import { byId, fill, format, minus, quantity, template, within, write } from './dom.js';
 import { potCard } from './knobs.js';
 import { fillOutputs } from './probes.js';
-import { emit, on, selectProbe, send, state } from './state.js';
+import { on, selectProbe, send, state } from './state.js';
 
 /** The angle from the middle to an end of a scale, in degrees. */
 const SWEEP = 45;
@@ -18,27 +18,20 @@ function fiveDigits(volts) {
 }
 
 /**
- * A meter with a list of outputs, and a button that takes the next output on which the user clicks. `command` is the
- * name of its command, `connect` gets the output, or null.
+ * A meter with a list of outputs, and a button that takes the next output on which the user clicks. `connect` gets the
+ * output, or null, and the session remembers it.
  */
-function meterOf(command, title, connect) {
+function meterOf(title, connect) {
   const { node, needle, digits, volts, more, outputs, list, probe } = template('meter');
-  let [full, drawn, last] = [1, '', 0];
-  const choose = (output) => emit('meter', { meter: command, output: output || null });
+  let [full, drawn, last, connected] = [1, '', 0, ''];
   digits.ariaLabel = title;
   list.ariaLabel = `Output at the ${title.toLowerCase()}`;
-  list.onchange = () => choose(list.value);
+  list.onchange = () => connect(list.value || null);
   probe.onclick = () => {
-    selectProbe(choose);
+    selectProbe(connect);
     probe.ariaPressed = true;
   };
   on('probing', (waits) => { if (!waits) probe.ariaPressed = false; });
-  // The menu of the schematic connects a meter too.
-  on('meter', ({ meter, output }) => {
-    if (meter !== command) return;
-    list.value = output ?? '';
-    connect(output);
-  });
   return {
     node, outputs,
     /** Sets the ends of the scale. */
@@ -47,18 +40,18 @@ function meterOf(command, title, connect) {
       node.querySelectorAll('[transform]').forEach((text, index) => write(text, minus(format(full * (index / 2 - 1)))));
       fill(digits, { 'aria-valuemin': -full, 'aria-valuemax': full });
     },
-    /**
-     * Shows the outputs of the patch, and connects another one if the present one is missing. A session that has opened
-     * a patch has forgotten the connection.
-     */
-    update(patch, otherwise) {
-      const { outputs: present, undo } = patch;
-      const form = JSON.stringify(present.map(({ name, signal }) => [name, signal]));
-      if (form === drawn && undo !== null) return;
+    /** Shows the outputs of the patch. Returns whether they have changed. */
+    update(patch) {
+      const form = JSON.stringify(patch.outputs.map(({ name, signal }) => [name, signal]));
+      if (form === drawn) return false;
       drawn = form;
-      const before = list.value;
       fillOutputs(list, patch, 'not connected');
-      choose(present.some(({ name }) => name === before) ? before : otherwise);
+      list.value = connected;
+      return true;
+    },
+    /** Shows the output at which the meter is. */
+    at(output) {
+      list.value = connected = output ?? '';
     },
     show(value, words) {
       needle.style.transform = `rotate(${SWEEP * within(-1.06, value / full || 0, 1.06)}deg)`;
@@ -76,14 +69,16 @@ function meterOf(command, title, connect) {
 
 function mountVoltmeter() {
   let view;
-  const meter = meterOf('meter', 'Voltmeter', (output) => {
-    view = state.patch.outputs.find(({ name }) => name === output);
-    send({ command: 'meter', output });
-  });
+  const meter = meterOf('Voltmeter', (output) => send({ command: 'meter', output }));
   meter.range(100);
+  const find = () => { view = state.patch?.outputs.find(({ name }) => name === state.machine?.meter); };
   on('patch', (patch) => {
-    meter.update(patch, patch.signals[0]?.at);
-    view = patch.outputs.find(({ name }) => name === view?.name);
+    meter.update(patch);
+    find();
+  });
+  on('machine', ({ meter: output }) => {
+    meter.at(output);
+    find();
   });
   on('frame', (frame) => meter.show(frame.meter, (volts) =>
     (view?.signal ? `${view.signal} ${quantity(volts * view.per_volt, view.unit, 5)}` : '')));
@@ -91,21 +86,15 @@ function mountVoltmeter() {
 }
 
 function mountNullMeter() {
-  let [output, divider, pot] = [null, 0, null];
-  const connect = () => send({ command: 'null-meter', output, divider });
-  const meter = meterOf('null-meter', 'Null meter', (name) => {
-    output = name;
-    pot = potCard(name, state.patch);
+  let [output, pot] = [null, null];
+  const connect = (change) => send({ command: 'null-meter', ...state.machine.null_meter, ...change });
+  const meter = meterOf('Null meter', (name) => connect({ output: name }));
+  const place = () => {
+    pot = output && potCard(output, state.patch);
     byId('null-pot').replaceChildren(pot?.node ?? 'If you choose a pot, its dial is here.');
-    connect();
-  });
+  };
   const reference = dial({
-    label: 'Reference divider', unit: '1', range: [-1, 1], perTurn: 0.1, digits: 4,
-    turned(value) {
-      divider = value;
-      reference.show(value);
-      return connect();
-    },
+    label: 'Reference divider', unit: '1', range: [-1, 1], perTurn: 0.1, digits: 4, turned: (divider) => connect({ divider }),
   });
   reference.show(0);
   meter.range(10);
@@ -114,10 +103,17 @@ function mountNullMeter() {
   byId('null-divider').append(reference.node);
   byId('null-range').onchange = ({ target }) => meter.range(Number(target.value));
   byId('null-mode').onclick = () => send({ command: 'mode', mode: 'pot-set' });
-  on('machine', ({ mode }) => { byId('null-mode').ariaPressed = mode === 'pot-set'; });
+  on('machine', ({ mode, null_meter: present }) => {
+    byId('null-mode').ariaPressed = mode === 'pot-set';
+    reference.show(present.divider);
+    meter.at(present.output);
+    if (present.output === output) return;
+    output = present.output;
+    place();
+  });
   on('patch', (patch) => {
-    meter.update(patch);
-    pot?.refresh(patch);
+    if (meter.update(patch)) place();
+    else pot?.refresh(patch);
   });
   on('frame', (frame) => meter.show(frame.nullMeter, (volts) => (Math.abs(volts) < 0.005 ? 'at zero' : '')));
 }

@@ -84,8 +84,9 @@ export function mountPatching(board) {
   function drop({ x, y }) {
     const { fixed, cord, id } = hand;
     release();
-    send(...id === undefined ? [] : [{ command: 'remove-loose', id }],
-      { command: 'loose-cord', end: endOf(fixed), at: [Math.round(x), Math.round(y)], ...cord && { replaces: cord } });
+    const at = [Math.round(x), Math.round(y)];
+    if (id === undefined) send({ command: 'loose-cord', end: endOf(fixed), at, ...cord && { replaces: cord } });
+    else send({ command: 'move-loose', id, at });
   }
   /** A click or Enter: the first one begins a cord, the second one ends it. A full jack gives its cord. */
   function choose(hit) {

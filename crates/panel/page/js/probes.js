@@ -1,11 +1,7 @@
 /** Probes: where they are, and the menu that places them. */
 
 import { button, byId, el, float, quantity } from './dom.js';
-import { emit, isProbing, on, probed, send, state } from './state.js';
-
-/** Where the meters are. The event `meter` connects one: meters.js sends the command. */
-const meters = { meter: null, 'null-meter': null };
-on('meter', ({ meter, output }) => { meters[meter] = output; });
+import { isProbing, probed, send, state } from './state.js';
 
 /**
  * All probes of scopes and meters, with their outputs and a function that connects them.
@@ -20,10 +16,13 @@ export function probes() {
       send({ command: 'scope', scope, controls: copy });
     },
   })));
-  const meter = (name, mark, command) => ({
-    name, mark, look: 'meter', output: meters[command], connect: (output) => emit('meter', { meter: command, output }),
-  });
-  return [...channels, meter('Voltmeter', 'V', 'meter'), meter('Null meter', 'N', 'null-meter')];
+  const { meter = null, null_meter: nullMeter } = state.machine ?? {};
+  return [...channels,
+    { name: 'Voltmeter', mark: 'V', look: 'meter', output: meter, connect: (output) => send({ command: 'meter', output }) },
+    {
+      name: 'Null meter', mark: 'N', look: 'meter', output: nullMeter?.output ?? null,
+      connect: (output) => send({ command: 'null-meter', ...nullMeter, output }),
+    }];
 }
 
 /** Name of an output with the quantity that it stands for: "v_o at A1". */

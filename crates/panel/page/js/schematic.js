@@ -220,7 +220,7 @@ export function mountSchematic(root) {
     });
     marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
   };
-  on('scopes meter findings', showMarks);
+  on('scopes machine findings', showMarks);
   on('highlight', (where) => {
     const { at, area } = spot(where) ?? {};
     if (!area) return;

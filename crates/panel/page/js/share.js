@@ -71,10 +71,10 @@ export async function share() {
   const patch = await ask('text');
   if (!patch) return;
   const coded = (await deflate(patch.text)).toBase64({ alphabet: 'base64url', omitPadding: true });
-  const url = `${location.origin}${location.pathname}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
+  const url = `${location.href.split(/[?#]/)[0]}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
   const { link, server, long, system, again } = partsOf(dialog);
   link.value = url;
-  server.hidden = state.host?.kind !== 'server';
+  server.hidden = state.host?.kind !== 'server' && location.protocol !== 'file:';
   long.hidden = url.length <= LONG_LINK;
   system.hidden = !navigator.share;
   system.onclick = () => navigator.share({ url }).catch(() => {});

@@ -1,5 +1,7 @@
 //! Edits of cords: those of the patch, and those with a loose end.
 
+use std::collections::{HashMap, HashSet};
+
 use patchcord_core::document::suggestion;
 use patchcord_core::patch::Patch;
 
@@ -90,9 +92,7 @@ pub(super) fn put_loose(
     if replaces.is_some_and(|cord| !cord.has_end(patch, end)) {
         return Err(Refusal::new("the loose cord must keep one end of the cord that it replaces"));
     }
-    if !at.iter().all(|coordinate| coordinate.is_finite()) {
-        return Err(Refusal::new("the loose end must have a place on the panel"));
-    }
+    check_place(at)?;
     if document.loose.len() >= MAX_LOOSE_CORDS {
         let message = format!("there are {MAX_LOOSE_CORDS} loose cords: plug them in or remove them first");
         return Err(Refusal::new(message));
@@ -120,6 +120,16 @@ pub(super) fn plug_loose(document: &Document, id: u64, to: &CordEnd) -> Result<E
     Ok(Edited { loose: Some(others), ..plug(document, ends)? })
 }
 
+/// Moves the loose end of a cord. The cord keeps its number.
+pub(super) fn move_loose(document: &Document, id: u64, at: [f64; 2]) -> Result<Edited, Refusal> {
+    check_place(at)?;
+    let index = loose_index(document, id)?;
+    let mut loose = document.loose.clone();
+    loose[index].at = at;
+    let label = "move a loose cord".to_owned();
+    Ok(Edited { patch: None, loose: Some(loose), label, kind: StepKind::Panel })
+}
+
 /// Removes a loose cord.
 pub(super) fn remove_loose(document: &Document, id: u64) -> Result<Edited, Refusal> {
     let (_, others) = take_loose(document, id)?;
@@ -137,11 +147,34 @@ pub(super) fn clear(document: &Document) -> Result<Edited, Refusal> {
 
 /// The loose cord with this number, and the others.
 fn take_loose(document: &Document, id: u64) -> Result<(Loose, Vec<Loose>), Refusal> {
+    let index = loose_index(document, id)?;
     let mut others = document.loose.clone();
-    let index = others.iter().position(|cord| cord.id == id);
-    let index = index.ok_or_else(|| Refusal::new(format!("there is no loose cord {id}")))?;
     let cord = others.remove(index);
     Ok((cord, others))
+}
+
+/// The index of the loose cord with this number.
+fn loose_index(document: &Document, id: u64) -> Result<usize, Refusal> {
+    let index = document.loose.iter().position(|cord| cord.id == id);
+    index.ok_or_else(|| Refusal::new(format!("there is no loose cord {id}")))
+}
+
+/// Checks the place of a loose end.
+fn check_place(at: [f64; 2]) -> Result<(), Refusal> {
+    match at.iter().all(|coordinate| coordinate.is_finite()) {
+        true => Ok(()),
+        false => Err(Refusal::new("the loose end must have a place on the panel")),
+    }
+}
+
+/// Whether a patch has the jack of this end of a cord.
+pub(super) fn is_end_of(patch: &Patch, end: &CordEnd) -> bool {
+    match end {
+        CordEnd::Input { element, jack } => {
+            wiring::is_in_section(patch, element) && jack_capacity(patch, element, jack).is_some()
+        }
+        CordEnd::Output { output } => check_output(patch, output).is_ok(),
+    }
 }
 
 /// The place of an end of a cord.
@@ -239,6 +272,18 @@ fn check_jack(patch: &Patch, cord: CordEnds<'_>, pulled: Option<CordEnds<'_>>) -
         return Err(Refusal::new(message).at(cord.place()));
     }
     Ok(())
+}
+
+/// Notes for each element that loses the last cord of a jack which jack that is. The text no longer has such a jack.
+pub(super) fn note_pulled(before: &Patch, after: &Patch, pulled: &mut HashMap<String, String>) {
+    pulled.retain(|element, _| after.elements.contains_key(element));
+    for element in after.elements.keys() {
+        let jacks: HashSet<&str> = after.written_cords(element).map(|(jack, _)| jack).collect();
+        let mut emptied = before.written_cords(element).filter(|(jack, _)| !jacks.contains(jack));
+        if let Some((jack, _)) = emptied.next() {
+            pulled.insert(element.clone(), jack.to_owned());
+        }
+    }
 }
 
 /// How many cords a jack takes: `Some(None)` for any number, `None` if there is no such jack.

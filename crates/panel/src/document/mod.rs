@@ -4,15 +4,17 @@
 //! value outside its range, a second cord in a jack for one. Wrong wiring is allowed, and the checker reports it at the
 //! jack. After every edit the text is read again, so that all positions of the patch are positions in its text.
 //!
-//! `cords`, `elements` and `settings` make the edits, `history` keeps the steps and `snapshot` saves them.
+//! `cords`, `elements`, `settings` and `replacement` make the edits, `history` keeps the steps and `snapshot` saves them.
 
 mod cords;
 mod elements;
 mod history;
 mod kinds;
+mod replacement;
 mod settings;
 mod snapshot;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use patchcord_core::machines;
@@ -43,6 +45,8 @@ pub struct Document {
     revision: u64,
     /// The steps that can be reverted and repeated.
     history: History,
+    /// The jack of each element from which a cord was pulled last.
+    pulled: HashMap<String, String>,
 }
 
 /// A cord with a loose end.
@@ -156,6 +160,7 @@ impl Document {
             next_loose: 1,
             revision: 1,
             history: History::default(),
+            pulled: HashMap::new(),
         }
     }
 
@@ -167,6 +172,11 @@ impl Document {
     /// The cords with a loose end.
     pub fn loose(&self) -> &[Loose] {
         &self.loose
+    }
+
+    /// The jack of each element from which a cord was pulled last.
+    pub fn pulled_jacks(&self) -> &HashMap<String, String> {
+        &self.pulled
     }
 
     /// A number that grows with every change of the patch and of its loose cords.
@@ -189,6 +199,7 @@ impl Document {
     /// As for [`Document::apply`].
     pub(crate) fn edited(&self, command: &Command) -> Result<Edited, Refusal> {
         match command {
+            Command::Replace { text } => replacement::replace(self, text),
             Command::Parameter { name, value } => settings::parameter(self, name, *value),
             Command::Setting { element, setting, value } => settings::setting(self, element, setting, value),
             Command::TimeScale { value } => settings::time_scale(self, *value),
@@ -201,6 +212,7 @@ impl Document {
                 cords::put_loose(self, end, *at, replaces.as_ref().map(CordEnds::of))
             }
             Command::PlugLoose { id, to } => cords::plug_loose(self, *id, to),
+            Command::MoveLoose { id, at } => cords::move_loose(self, *id, *at),
             Command::RemoveLoose { id } => cords::remove_loose(self, *id),
             Command::ClearCords => cords::clear(self),
             Command::AddElement { kind, name } => elements::add(self, kind, name.as_deref()),
@@ -215,7 +227,7 @@ impl Document {
         let before = self.state();
         if let Some(patch) = patch.filter(|patch| *patch.text() != *self.text) {
             self.text = Arc::from(patch.text());
-            self.patch = patch;
+            self.take_patch(patch);
         }
         if let Some(loose) = loose {
             self.next_loose =
@@ -228,6 +240,12 @@ impl Document {
             self.history.push(Step { label, kind, state: before });
         }
         change
+    }
+
+    /// Takes another patch, and notes the jacks that it leaves without a cord.
+    fn take_patch(&mut self, patch: Patch) {
+        cords::note_pulled(&self.patch, &patch, &mut self.pulled);
+        self.patch = patch;
     }
 
     /// Records a change of the mode as a step of the history.
@@ -260,7 +278,7 @@ impl Document {
         let step = step.ok_or_else(|| Refusal::new(format!("there is nothing to {}", direction.verb())))?;
         let before = self.state();
         if step.state.text != self.text {
-            self.patch = parsed(self.patch.file(), &step.state.text, self.patch.table_access())?;
+            self.take_patch(parsed(self.patch.file(), &step.state.text, self.patch.table_access())?);
         }
         (self.text, self.loose) = (step.state.text, step.state.loose);
         if before != self.state() {

@@ -1,5 +1,6 @@
 //! Sets parameters, settings of elements and the time scale.
 
+use std::collections::HashMap;
 use std::iter;
 
 use patchcord_core::circuit::Circuit;
@@ -45,7 +46,8 @@ pub(super) fn parameter(document: &Document, name: &str, value: f64) -> Result<E
 /// The first error of a patch that an earlier version does not have at this place.
 fn new_fault(before: &Patch, after: &Patch) -> Option<Finding> {
     let errors = |patch: &Patch| {
-        let findings = Circuit::new(patch).err().map(|report| places::findings(&report, patch));
+        let findings =
+            Circuit::new(patch).err().map(|report| places::findings(&report, patch, &HashMap::new()));
         let mut findings = findings.unwrap_or_default();
         findings.retain(|finding| finding.severity == "error");
         findings

@@ -62,6 +62,11 @@ fn add(kind: &str) -> Command {
     Command::AddElement { kind: kind.to_owned(), name: None }
 }
 
+/// A command that replaces the text.
+fn replaced(text: &str) -> Command {
+    Command::Replace { text: text.to_owned() }
+}
+
 /// A command that drops an end of a cord on the panel.
 fn drop_end(end: CordEnd, replaces: Option<[&str; 3]>) -> Command {
     let replaces = replaces.map(|ends| {
@@ -100,6 +105,7 @@ fn every_command_is_reverted_to_the_identical_text_and_repeated() {
         (drop_end(output("B1"), Some(["P1", "in", "B1"])), "drop an end of a cord"),
         (drop_end(output("B1"), None), "drop an end of a cord"),
         (Command::ClearCords, "remove all cords"),
+        (replaced(r#"{"patchcord": 1, "elements": {}}"#), "replace the text of the patch"),
         (add("integrator"), "add A3"),
         (add("sine"), "add E1"),
         (Command::RemoveElement { name: "P3".to_owned() }, "remove P3"),
@@ -250,6 +256,30 @@ fn settings_of_drives_and_instances_are_edited() {
 }
 
 #[test]
+fn another_text_keeps_the_loose_cords_that_have_their_jacks() {
+    let mut document = lesson();
+    document.apply(&drop_end(output("B1"), None)).unwrap();
+    document.apply(&drop_end(input("A1", "x1"), None)).unwrap();
+    let text = r#"{"patchcord": 1, "elements": {"A1": {"kind": "integrator", "in": {"x1": ["+100"]}}}}"#;
+    assert_eq!(document.apply(&replaced(text)), Ok(Change::Patch));
+    assert_eq!((document.patch().text(), document.patch().file()), (text, "lessons/mass-and-spring.json"));
+    assert_eq!(document.loose().iter().map(|cord| cord.id).collect::<Vec<_>>(), [2]);
+    document.undo().unwrap();
+    assert_eq!(document.loose().len(), 2);
+    document.redo().unwrap();
+    let mut restored = Document::restore(&document.snapshot(), &TableAccess::None).unwrap();
+    assert_eq!((restored.patch().text(), restored.loose().len()), (text, 1));
+    for _ in 0..3 {
+        restored.undo().unwrap();
+    }
+    assert_eq!((restored.patch().text(), restored.loose().len()), (lesson().patch().text(), 0));
+    // The same text is no step.
+    let revision = document.revision();
+    document.apply(&replaced(text)).unwrap();
+    assert_eq!(document.revision(), revision);
+}
+
+#[test]
 fn changes_of_the_mode_are_steps() {
     let mut document = lesson();
     document.record_mode(Mode::InitialCondition, Mode::Operate);
@@ -302,5 +332,10 @@ fn data_that_are_no_snapshot_are_refused() {
 fn a_text_that_is_not_a_patch_is_refused_with_the_report() {
     let refused = Document::open("p.json", "{\"patchcord\": 1,}", &TableAccess::None).unwrap_err();
     assert!(refused.message.contains("remove the last comma"), "{}", refused.message);
+    let mut document = lesson();
+    let refused = refusal(&mut document, &replaced("{\"patchcord\": 1,}"));
+    assert!(refused.message.contains("remove the last comma"), "{}", refused.message);
+    // Other faults are findings.
+    assert_eq!(document.apply(&replaced(r#"{"patchcord": 1, "elements": 5}"#)), Ok(Change::Patch));
     assert!(Document::open("p.json", r#"{"patchcord": 1, "elements": 5}"#, &TableAccess::None).is_ok());
 }

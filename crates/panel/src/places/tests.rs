@@ -25,7 +25,7 @@ fn found(document: &Document, code: Code) -> Vec<Finding> {
         Ok(circuit) => circuit.warnings(),
         Err(report) => *report,
     };
-    let mut findings = findings(&report, document.patch());
+    let mut findings = findings(&report, document.patch(), document.pulled_jacks());
     findings.retain(|finding| finding.code == code.as_str());
     findings
 }
@@ -60,10 +60,15 @@ fn a_missing_cord_is_reported_at_its_jack() {
     let finding = &found(&document, Code::NO_DRIVER)[0];
     assert_eq!(finding.place, Some(jack("M1", "b", None)));
     assert_eq!((finding.severity.as_str(), finding.line), ("error", Some(33)));
-    assert!(finding.hint.contains("ground"), "{}", finding.hint);
+    let hint =
+        "plug a cord in: from an output, or from ground for 0 V (purpose: second voltage (or \"ground\"))";
+    assert_eq!(finding.hint, hint);
     document.undo().unwrap();
-    // The text no longer has the jack x10, so the first jack of the input is meant.
+    // The text no longer has the jack x10, but it is empty at the panel.
     document.apply(&unplug("A1", "x10", "P1")).unwrap();
+    assert_eq!(only_place(&document, Code::NO_DRIVER), jack("A1", "x10", None));
+    // Without a cord that was pulled, the jack with the least gain is meant.
+    let document = Document::open("p.json", document.patch().text(), &TableAccess::None).unwrap();
     assert_eq!(only_place(&document, Code::NO_DRIVER), jack("A1", "x1", None));
     let empty = patch(r#""elements": {"A1": {"kind": "integrator", "in": {"x10": []}}}"#);
     assert_eq!(only_place(&empty, Code::NO_DRIVER), jack("A1", "x10", None));
@@ -127,4 +132,5 @@ fn a_port_without_a_cord_is_reported_at_the_instance() {
 fn a_finding_about_the_whole_patch_has_no_place() {
     let findings = found(&Document::empty(None, &TableAccess::None), Code::MISSING_KEY);
     assert_eq!((findings.len(), findings[0].place.clone()), (1, None));
+    assert_eq!(findings[0].hint, "add an element");
 }

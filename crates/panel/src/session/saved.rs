@@ -1,57 +1,98 @@
-//! The content of a snapshot, checked before a session takes it.
+//! A session as a snapshot. Its content is checked before a session takes it.
 
 use patchcord_core::patch::TableAccess;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::{check_rate, check_speed, check_sweep};
+use super::bench::Controls;
+use super::checks::{check_divider, check_rate, check_speed, check_sweep};
+use super::current_patch::use_patch;
+use super::{Session, events, table_access};
 use crate::command::{Mode, PROTOCOL_VERSION};
 use crate::document::{Document, Refusal};
+use crate::event::{Event, NullMeter};
 use crate::scope::{SCOPES, Scope, ScopeControls};
 
 /// A saved session.
-pub(super) struct Saved {
+struct Saved {
     /// The patch and its history.
-    pub document: Document,
+    document: Document,
     /// The mode of the machine.
-    pub mode: Mode,
+    mode: Mode,
     /// The speed factor; `None` for as fast as possible.
-    pub speed: Option<f64>,
+    speed: Option<f64>,
     /// Length of a sweep in problem seconds; `None` for that of the patch.
-    pub sweep: Option<f64>,
+    sweep: Option<f64>,
     /// Sweeps per second of the clock; `None` if the speed decides.
-    pub rate: Option<f64>,
+    rate: Option<f64>,
     /// The scopes, with empty screens.
-    pub scopes: Vec<Scope>,
+    scopes: Vec<Scope>,
     /// The output at the voltmeter.
-    pub meter: Option<String>,
+    meter: Option<String>,
+    /// The null meter.
+    null_meter: NullMeter,
 }
 
-impl Saved {
-    /// Reads a snapshot.
-    ///
-    /// # Errors
-    /// If it is not one of this version, or has a value that is not permitted.
-    pub(super) fn read(snapshot: &Value, table_access: &TableAccess) -> Result<Saved, Refusal> {
-        if snapshot["protocol"] != PROTOCOL_VERSION {
-            return Err(Refusal::new("the saved session is of another version of the panel"));
-        }
-        let document = Document::restore(&snapshot["document"], table_access)?;
-        let [speed, sweep, rate]: [Option<f64>; 3] =
-            [field(snapshot, "speed")?, field(snapshot, "sweep")?, field(snapshot, "rate")?];
-        check_speed(speed)?;
-        check_sweep(sweep, document.patch())?;
-        check_rate(rate)?;
-        Ok(Saved {
-            mode: field(snapshot, "mode")?,
-            speed,
-            sweep,
-            rate,
-            scopes: scopes(field(snapshot, "scopes")?)?,
-            meter: field(snapshot, "meter")?,
-            document,
-        })
+/// The session as data.
+pub(super) fn snapshot(session: &Session) -> Value {
+    let scopes: Vec<&ScopeControls> = session.scopes.iter().map(Scope::controls).collect();
+    let controls = &session.bench.controls;
+    json!({
+        "protocol": PROTOCOL_VERSION,
+        "document": session.document.snapshot(),
+        "mode": controls.mode,
+        "speed": controls.speed,
+        "sweep": controls.sweep,
+        "rate": controls.rate,
+        "scopes": scopes,
+        "meter": session.meter,
+        "null_meter": session.null_meter,
+    })
+}
+
+/// Replaces the session by one from a snapshot.
+///
+/// # Errors
+/// If the snapshot is not one of this version, or has a value that is not permitted. Nothing is changed then.
+pub(super) fn restore(session: &mut Session, snapshot: &Value, list: &mut Vec<Event>) -> Result<(), Refusal> {
+    let saved = read(snapshot, &table_access(&session.options))?;
+    let Saved { document, mode, speed, sweep, rate, scopes, meter, null_meter } = saved;
+    session.document = document;
+    session.scopes = scopes;
+    session.bench.controls = Controls { speed, sweep, rate, ..Controls::default() };
+    use_patch(session, true);
+    session.bench.set_mode(mode, &mut session.scopes);
+    (session.meter, session.null_meter) = (meter, null_meter);
+    list.extend(events::hello(session));
+    Ok(())
+}
+
+/// Reads a snapshot.
+///
+/// # Errors
+/// If it is not one of this version, or has a value that is not permitted.
+fn read(snapshot: &Value, table_access: &TableAccess) -> Result<Saved, Refusal> {
+    if snapshot["protocol"] != PROTOCOL_VERSION {
+        return Err(Refusal::new("the saved session is of another version of the panel"));
     }
+    let document = Document::restore(&snapshot["document"], table_access)?;
+    let [speed, sweep, rate]: [Option<f64>; 3] =
+        [field(snapshot, "speed")?, field(snapshot, "sweep")?, field(snapshot, "rate")?];
+    check_speed(speed)?;
+    check_sweep(sweep, document.patch())?;
+    check_rate(rate)?;
+    let null_meter = field::<Option<NullMeter>>(snapshot, "null_meter")?.unwrap_or_default();
+    check_divider(null_meter.divider)?;
+    Ok(Saved {
+        mode: field(snapshot, "mode")?,
+        speed,
+        sweep,
+        rate,
+        scopes: scopes(field(snapshot, "scopes")?)?,
+        meter: field(snapshot, "meter")?,
+        null_meter,
+        document,
+    })
 }
 
 /// A field of a snapshot. An absent one is null.

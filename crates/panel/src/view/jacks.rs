@@ -8,9 +8,6 @@ use patchcord_draw::schematic::jack_label;
 use crate::event::JackView;
 use crate::wiring;
 
-/// The gains that are shown if the machine has every gain.
-const USUAL_GAINS: &[f64] = &[1.0, 10.0];
-
 /// The jacks of an instance: the input ports of its macro.
 pub(super) fn of_instance(patch: &Patch, name: &str, instance: &Instance) -> Vec<JackView> {
     let cords = wiring::cords_into(patch, name);
@@ -100,9 +97,7 @@ impl JackRows<'_> {
                 gains.push((gain, (*jack).to_owned()));
             }
         }
-        let available = self.entry.kind.available_gains(self.machine);
-        let shown = if available.is_empty() { USUAL_GAINS } else { available };
-        for gain in shown {
+        for gain in wiring::shown_gains(self.entry.kind, self.machine) {
             if gains.iter().all(|(used, _)| used != gain) {
                 gains.push((*gain, format!("{}{gain}", input.name)));
             }

@@ -7,6 +7,8 @@ mod quantities;
 mod settings;
 mod static_check;
 
+use std::collections::HashMap;
+
 use patchcord_core::circuit::{Circuit, part_count};
 use patchcord_core::elements::{Family, Kind, OutputStage, REGISTRY};
 use patchcord_core::ir::Program;
@@ -21,7 +23,7 @@ use crate::event::{
 };
 use crate::wiring;
 pub use equations::equations;
-pub use probes::usual_scopes;
+pub use probes::{usual_meter, usual_scopes};
 use settings::SettingViewer;
 pub use static_check::static_check_event;
 
@@ -160,18 +162,19 @@ fn instance_view(viewer: &SettingViewer<'_>, name: &str, instance: &Instance) ->
     }
 }
 
-/// The setting of a potentiometer, from 0 to 1. `None` for every other element.
-pub fn pot_setting(circuit: &Circuit, name: &str) -> Option<f64> {
-    let element = circuit.elements().into_iter().find(|element| element.name == name)?;
-    if !matches!(element.kind.name, "pot" | "free-pot") {
-        return None;
-    }
-    let settings = settings_of_element(circuit, element);
-    let setting = settings.iter().find(|setting| setting.name == "setting")?;
-    match setting.value {
-        SettingValue::Number(number) => Some(number),
-        _ => None,
-    }
+/// The settings of all potentiometers by their names, each from 0 to 1.
+pub fn pot_settings(circuit: &Circuit) -> HashMap<&str, f64> {
+    let elements = circuit.elements().into_iter();
+    let pots = elements.filter(|element| matches!(element.kind.name, "pot" | "free-pot"));
+    let settings = pots.filter_map(|pot| {
+        let settings = settings_of_element(circuit, pot);
+        let setting = settings.iter().find(|setting| setting.name == "setting")?;
+        match setting.value {
+            SettingValue::Number(number) => Some((pot.name.as_str(), number)),
+            _ => None,
+        }
+    });
+    settings.collect()
 }
 
 /// Whether an element has an overload lamp.

@@ -35,6 +35,11 @@ pub fn usual_scopes(patch: &Patch) -> [ScopeControls; SCOPES] {
     [first, second]
 }
 
+/// The output at which the voltmeter begins: that of the first signal. `None` if the patch has no signals.
+pub fn usual_meter(patch: &Patch) -> Option<String> {
+    output_of(patch, patch.signals.keys().next()?)
+}
+
 /// The names along the vertical axis of a picture.
 fn ordinates(picture: &PictureSpec) -> impl Iterator<Item = &str> {
     picture.y.iter().map(|name| name.value.as_str())

@@ -27,6 +27,8 @@ pub(super) struct Reader<'a> {
     path: &'a Path,
     /// The selectors, in the order in which the table has their columns.
     selectors: &'a [ColumnSelector<'a>],
+    /// Whether a field that is not a finite number becomes NaN. Otherwise it is a fault.
+    has_words: bool,
     /// Number of the current line, from 1.
     line_number: usize,
     /// Names and units from the comment lines.
@@ -56,6 +58,7 @@ impl<'a> Reader<'a> {
         Reader {
             path,
             selectors,
+            has_words: false,
             line_number: 0,
             unit_comments: Vec::new(),
             columns: None,
@@ -63,6 +66,16 @@ impl<'a> Reader<'a> {
             table: CsvTable::default(),
             faults: Vec::new(),
         }
+    }
+
+    /// The same reader, for columns that may contain words: they become NaN.
+    pub(super) fn with_words(self) -> Self {
+        Reader { has_words: true, ..self }
+    }
+
+    /// The path of the file, for messages.
+    pub(super) fn path(&self) -> &'a Path {
+        self.path
     }
 
     /// Whether the line of names was read.
@@ -243,6 +256,7 @@ impl<'a> Reader<'a> {
         for (selector_index, column) in columns.indices.iter().enumerate() {
             match fields[*column].parse::<f64>().ok().filter(|number| number.is_finite()) {
                 Some(number) => self.row.push(number),
+                None if self.has_words => self.row.push(f64::NAN),
                 None => return self.not_a_number(selector_index, &fields[*column]),
             }
         }

@@ -31,6 +31,33 @@ fn columns_are_selected_by_name_or_by_position() {
 }
 
 #[test]
+fn a_text_gives_the_table_and_the_faults_of_its_file() {
+    for text in ["# x: mm\nt (ms),x\n0,1\n1,3\n", "t,x\n0,1\n1,\n2,a\n", "t;x\n0;1\n", "", "t\n0\n"] {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        let [read, parsed] = [read(file.path(), &FIRST_TWO), parse(file.path(), text, &FIRST_TWO)]
+            .map(|table| table.map(|table| (table.columns, table.lines, table.names, table.units)));
+        assert_eq!(read, parsed, "{text}");
+    }
+}
+
+#[test]
+fn all_columns_of_a_text_are_read_and_words_are_nan() {
+    let text = "# t: s\nt,x (mm),x (mm),note\n0,1,2,begin\n1,,4,inf\n";
+    let table = parse_all("a.csv", text).unwrap();
+    assert_eq!(table.names, ["t", "x (mm)", "x (mm)", "note"]);
+    assert_eq!((&table.columns[0], &table.columns[2]), (&vec![0.0, 1.0], &vec![2.0, 4.0]));
+    assert_eq!(table.columns[1][..1], [1.0]);
+    assert!(table.columns[1][1].is_nan(), "{:?}", table.columns);
+    assert!(table.columns[3].iter().all(|number| number.is_nan()), "{:?}", table.columns);
+    let units = table.units.iter().map(|unit| unit.as_ref().map(|unit| unit.text.as_str()));
+    assert_eq!(units.collect::<Vec<_>>(), [Some("s"), Some("mm"), Some("mm"), None]);
+    let faults = parse_all("a.csv", "t,x\n0\n").unwrap_err();
+    assert_eq!(faults[0].message, "line 2 of a.csv has 1 field, but the line of names has 2");
+    assert_eq!(parse_all("a.csv", "").unwrap_err()[0].message, "a.csv is empty");
+}
+
+#[test]
 fn a_fault_names_the_column_that_was_selected_by_name() {
     let faults = table("t,x\n0,1\n1,\n", &[ColumnSelector::First, ColumnSelector::Named("x")]).unwrap_err();
     assert!(

@@ -21,7 +21,7 @@ impl FileReader<'_> {
         let Some(comment) = &rows.units[column] else { return Some(None) };
         let unit = comment.unit();
         if unit.is_none() {
-            let fault = unreadable_unit(&rows.names[column], comment, self.path, column);
+            let fault = unreadable_unit(&rows.names[column], comment, &self.path, column);
             findings.push(self.diagnostic(Code::UNKNOWN_UNIT, fault));
         }
         unit.map(Some)
@@ -66,7 +66,7 @@ impl FileReader<'_> {
                 };
                 let unit = self.column_unit(rows, 0, in_experiment, findings)?;
                 if unit.is_none() {
-                    let doubt = unclear_time(&rows.names[0], self.path);
+                    let doubt = unclear_time(&rows.names[0], &self.path);
                     findings.extend(doubt.map(|doubt| self.unclear_unit(0, doubt)));
                 }
                 let second = Unit::parse("s").ok()?;
@@ -100,7 +100,7 @@ impl FileReader<'_> {
             let Some(unit) = self.column_unit(rows, column, requested.unit, findings) else { continue };
             let Some(target) = requested.target_unit else { continue };
             let Some(unit) = unit else {
-                let doubt = unclear_value(&rows.names[column], target, self.path);
+                let doubt = unclear_value(&rows.names[column], target, &self.path);
                 findings.extend(doubt.map(|doubt| self.unclear_unit(column, doubt)));
                 continue;
             };

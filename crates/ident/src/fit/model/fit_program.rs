@@ -28,7 +28,32 @@ impl FitProgram {
     /// If the patch is invalid or has no such drive.
     pub fn new(patch: &Patch, drives: &[MeasuredDrive]) -> Result<FitProgram, ModelError> {
         let (prepared, initial) = prepare_patch(patch, drives)?;
-        let program = Program::new(&Circuit::new(&prepared)?)?;
+        FitProgram::compile(&prepared, initial, drives)
+    }
+
+    /// Compiles a patch whose initial voltages are not parameters, but remain as the patch specifies them.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub(crate) fn with_own_initial(
+        patch: &Patch,
+        drives: &[MeasuredDrive],
+    ) -> Result<FitProgram, ModelError> {
+        let mut editor = patch.edit();
+        replace_with_tables(&mut editor, drives)?;
+        FitProgram::compile(&editor.finish(patch.file())?, Vec::new(), drives)
+    }
+
+    /// Compiles a patch that is prepared for fitting.
+    ///
+    /// # Errors
+    /// If the patch is invalid.
+    fn compile(
+        prepared: &Patch,
+        initial: Vec<FitParameter>,
+        drives: &[MeasuredDrive],
+    ) -> Result<FitProgram, ModelError> {
+        let program = Program::new(&Circuit::new(prepared)?)?;
         Ok(FitProgram { program, initial, drives: drives.to_vec() })
     }
 

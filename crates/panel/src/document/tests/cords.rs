@@ -64,6 +64,14 @@ fn a_dropped_cord_stays_on_the_panel_until_it_is_plugged_in() {
     assert_eq!((cords(&document, "P1"), document.loose().len()), (vec![("in", "B1")], 0));
     assert_eq!(document.apply(&drop_end(input("A1", "x1"), None)), Ok(Change::Panel));
     assert_eq!(document.loose()[0].id, 2);
+    let moved = Command::MoveLoose { id: 2, at: [50.0, 60.0] };
+    assert_eq!(document.apply(&moved), Ok(Change::Panel));
+    assert_eq!(document.loose(), [Loose { id: 2, end: input("A1", "x1"), at: [50.0, 60.0] }]);
+    assert_eq!(document.undo_label(), Some("move a loose cord"));
+    assert_eq!(document.undo(), Ok(Change::Panel));
+    assert_eq!(document.loose()[0].at, [12.5, 40.0]);
+    refusal(&mut document, &Command::MoveLoose { id: 2, at: [f64::INFINITY, 0.0] });
+    refusal(&mut document, &Command::MoveLoose { id: 7, at: [0.0, 0.0] });
     assert_eq!(document.apply(&Command::RemoveLoose { id: 2 }), Ok(Change::Panel));
     assert_eq!(document.undo(), Ok(Change::Panel));
     assert_eq!(document.loose().len(), 1);

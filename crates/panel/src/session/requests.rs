@@ -1,0 +1,52 @@
+//! Reads requests and writes answers.
+
+use std::collections::HashSet;
+use std::mem::{Discriminant, discriminant};
+
+use super::Answer;
+use crate::command::Request;
+use crate::event::{Event, MachineState, Response};
+use crate::limits::{MAX_COMMANDS, MAX_REQUEST_BYTES};
+
+/// Reads a request.
+///
+/// # Errors
+/// The message if it is not a request, or above the limits.
+pub(super) fn read(text: &str) -> Result<Request, String> {
+    if text.len() > MAX_REQUEST_BYTES {
+        return Err(format!("the request has more than {} MB", MAX_REQUEST_BYTES / 1_000_000));
+    }
+    let request: Request =
+        serde_json::from_str(text).map_err(|error| format!("the request cannot be read: {error}"))?;
+    if request.commands.len() > MAX_COMMANDS {
+        return Err(format!("a request has at most {MAX_COMMANDS} commands, got {}", request.commands.len()));
+    }
+    Ok(request)
+}
+
+/// Removes those of the first `known` events that a later one of the same kind replaces, so that an answer has each
+/// large event once. Refusals and parameters do not replace each other.
+pub(super) fn drop_replaced(events: &mut Vec<Event>, known: usize) {
+    let is_replaceable = |event: &&Event| !matches!(event, Event::Refused { .. } | Event::Parameter { .. });
+    let newer: HashSet<Discriminant<Event>> =
+        events[known..].iter().filter(is_replaceable).map(discriminant).collect();
+    let mut index = 0;
+    events.retain(|event| {
+        index += 1;
+        index > known || !newer.contains(&discriminant(event))
+    });
+}
+
+/// Whether a client has to know a new state of the machine. Time advances in frames.
+pub(super) fn differs(known: &MachineState, state: &MachineState) -> bool {
+    let MachineState { time, oldest, .. } = known;
+    *known != MachineState { time: *time, oldest: *oldest, ..state.clone() }
+}
+
+/// The answer to a request.
+pub(super) fn answer(id: Option<u64>, events: Vec<Event>, frame: Option<Vec<u8>>) -> Answer {
+    let response = Response { id, events, frame: frame.is_some() };
+    // All keys are texts and all numbers are finite or null, so this cannot fail.
+    let text = serde_json::to_string(&response).unwrap_or_default();
+    Answer { text, frame }
+}
