@@ -60,7 +60,7 @@ export function template(id, texts = {}) {
 }
 
 /** A copy of the drawing in a template, with more attributes. */
-export const shape = (id, attributes) => fill(byId(id).content.querySelector('g').cloneNode(true), attributes);
+export const shape = (id, attributes) => fill(byId(id).content.querySelector('svg > *').cloneNode(true), attributes);
 
 /** The attributes of a place of the patch panel that can have the focus, if it has a key. */
 export const keyed = (key) => key && { role: 'button', tabindex: -1, 'data-key': key };

@@ -167,17 +167,14 @@ export function draw(plate, patch, kinds) {
       own.map((out) => drawJack(out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
   }
   function drawFrame({ x, y, w, h, title, class: kind }) {
-    const frame = shape('section', { class: `section ${kind}`, ...move([x, y]) });
-    frame.firstElementChild.setAttribute('width', w);
-    frame.firstElementChild.setAttribute('height', h);
+    const frame = shape('section', { class: `section ${kind}`, x, y, width: w, height: h });
     frame.lastElementChild.textContent = title;
     return frame;
   }
-  const panel = (attributes) => svg('rect', { width, height, rx: 12, ...attributes });
-  const screws = [[12, 12], [width - 12, 12], [12, height - 12], [width - 12, height - 12]].map(([x, y], turn) =>
-    shape('screw', { transform: `translate(${x} ${y}) rotate(${turn * 53})` }));
-  const node = svg('g', { class: `faceplate ${plate.class}` }, panel({ class: 'panel' }), panel({ fill: 'url(#board-sheen)' }), screws,
-    text('make', MARGIN + 6, 29, plate.title), text('small-print', width - MARGIN - 6, height - 12, plate.note),
+  const panel = shape('panel', { width, height });
+  panel.querySelector('.make').textContent = plate.title;
+  panel.querySelector('.small-print').textContent = plate.note;
+  const node = svg('g', { class: `faceplate ${plate.class}` }, panel,
     sections.flatMap((section) => [drawFrame(section), ...section.modules.map((module, index) => drawModule(module, section, index))]));
   return { node, live: [...outs, ...lamps].map((one) => one.node), stops, outs, lamps, width, height };
 }
