@@ -80,7 +80,7 @@ pub enum Mode {
 
 /// An end of a cord at the panel.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(untagged)]
+#[serde(untagged, try_from = "EndFields")]
 pub enum CordEnd {
     /// An input jack.
     Input {
@@ -94,6 +94,30 @@ pub enum CordEnd {
         /// Name of the element, drive or reference.
         output: String,
     },
+}
+
+/// The fields of both kinds of ends. Code that tries one kind after the other is larger, and its errors name no field.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EndFields {
+    /// Name of the element with the input.
+    element: Option<String>,
+    /// Name of the jack.
+    jack: Option<String>,
+    /// Name of the output.
+    output: Option<String>,
+}
+
+impl TryFrom<EndFields> for CordEnd {
+    type Error = &'static str;
+
+    fn try_from(fields: EndFields) -> Result<CordEnd, &'static str> {
+        match (fields.element, fields.jack, fields.output) {
+            (Some(element), Some(jack), None) => Ok(CordEnd::Input { element, jack }),
+            (None, None, Some(output)) => Ok(CordEnd::Output { output }),
+            _ => Err("an end of a cord has either \"element\" and \"jack\", or \"output\""),
+        }
+    }
 }
 
 /// One action of a user, or a question of the page.
@@ -317,4 +341,41 @@ pub struct CordName {
     pub jack: String,
     /// Name of the output.
     pub from: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// Reads a loose cord with this end.
+    fn with_end(end: &Value) -> Result<Command, String> {
+        let object = json!({"command": "loose-cord", "end": end, "at": [1, 2.5]});
+        command(object.as_object().unwrap().clone())
+    }
+
+    #[test]
+    fn an_end_of_a_cord_is_an_input_or_an_output() {
+        let ends = [
+            CordEnd::Input { element: "A1".to_owned(), jack: "x10".to_owned() },
+            CordEnd::Output { output: "P1".to_owned() },
+        ];
+        for end in ends {
+            let read = with_end(&serde_json::to_value(&end).unwrap());
+            assert_eq!(read, Ok(Command::LooseCord { end, at: [1.0, 2.5], replaces: None }));
+        }
+        for wrong in [
+            json!({}),
+            json!({"element": "A1"}),
+            json!({"element": "A1", "output": "P1"}),
+            json!({"element": "A1", "jack": "x1", "output": "P1"}),
+        ] {
+            let message = with_end(&wrong).unwrap_err();
+            let expected = "an end of a cord has either \"element\" and \"jack\", or \"output\"";
+            assert_eq!(message, format!("command \"loose-cord\": {expected}"));
+        }
+        let message = with_end(&json!({"element": "A1", "jack": "x1", "cord": 1})).unwrap_err();
+        assert!(message.contains("unknown field `cord`"), "{message}");
+    }
 }

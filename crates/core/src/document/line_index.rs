@@ -34,11 +34,13 @@ impl LineIndex {
     }
 
     /// First byte of a line.
+    #[cfg(feature = "snippets")]
     pub(super) fn line_start(&self, line: usize) -> usize {
         self.line_starts[line]
     }
 
     /// One past the last byte of a line, without the newline.
+    #[cfg(feature = "snippets")]
     pub(super) fn line_end(&self, text: &str, line: usize) -> usize {
         self.line_starts.get(line + 1).map_or(text.len(), |next| next - 1)
     }
@@ -81,6 +83,7 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "snippets")]
     #[test]
     fn the_end_of_a_line_excludes_the_newline() {
         let index = LineIndex::new("ab\n\ncd");

@@ -1,19 +1,15 @@
-//! Reports: the diagnostics of a document with its text, printed for a terminal or as JSON.
+//! Reports: the diagnostics of a document with its text, printed for a terminal, for a page or as JSON.
+
+#[cfg(feature = "snippets")]
+mod snippets;
 
 use std::fmt;
-use std::ops::Range;
 
-use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use serde::Serialize;
 
-use super::diagnostic::{Diagnostic, Severity, Span};
+use super::diagnostic::{Diagnostic, Severity};
 use super::line_index::LineIndex;
 use super::printable::{escape_controls, printable};
-
-/// Length in bytes above which a line is not printed whole. Such lines come from documents without line breaks.
-const MAX_LINE_BYTES: usize = 4000;
-/// Bytes of a long line that are printed in front of, within and behind a span. The whole fits on a wide terminal.
-const EXCERPT_BYTES: usize = 40;
 
 /// All diagnostics of one document, with its text.
 ///
@@ -78,59 +74,54 @@ impl Report {
     ///
     /// At most 50 diagnostics are printed; a last line counts the others. Control characters of the path and of the
     /// messages become escape sequences of JSON, and the renderer replaces those of the source lines.
+    #[cfg(feature = "snippets")]
     pub fn render(&self, colour: bool) -> String {
-        let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-        let shown = self.findings.iter().take(MAX_FINDINGS_SHOWN);
-        let shown = shown.map(|finding| renderer.render(&[self.group(finding)]));
+        let renderer = snippets::renderer(colour);
+        self.joined(|finding| snippets::render(self, finding, &renderer))
+    }
+
+    /// The report without the faulty lines, for a place without columns such as a page: the message, the position and
+    /// the advice of each diagnostic.
+    ///
+    /// At most 50 diagnostics are printed; a last line counts the others. Control characters become escape sequences of
+    /// JSON.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::Patch;
+    ///
+    /// let report = Patch::parse("p.json", "{\"patchcord\": 1,}").unwrap_err();
+    /// let text = report.plain();
+    /// assert!(text.starts_with("error[syntax]: "));
+    /// assert!(text.ends_with("\n --> p.json:1:16\n  = help: remove the last comma"));
+    /// ```
+    pub fn plain(&self) -> String {
+        self.joined(|finding| self.plain_finding(finding))
+    }
+
+    /// Joins the texts of the first [`MAX_FINDINGS_SHOWN`] diagnostics and the number of the others.
+    fn joined(&self, text: impl Fn(&Diagnostic) -> String) -> String {
+        let shown = self.findings.iter().take(MAX_FINDINGS_SHOWN).map(text);
         let hidden = self.findings.len().saturating_sub(MAX_FINDINGS_SHOWN);
         let more = (hidden > 0).then(|| format!("and {hidden} more"));
         shown.chain(more).collect::<Vec<_>>().join("\n\n")
     }
 
-    /// One diagnostic with title, source lines and advice.
-    fn group<'a>(&'a self, finding: &'a Diagnostic) -> Group<'a> {
-        let level = match finding.code.severity() {
-            Severity::Error => Level::ERROR,
-            Severity::Warning => Level::WARNING,
-        };
-        let title = level.primary_title(printable(&finding.message)).id(finding.code.as_str());
-        let mut group = Group::with_title(title);
-        if let Some(span) = finding.span {
-            group = self.with_source_lines(group, span);
-        }
-        group.element(Level::HELP.message(printable(finding.advice())))
-    }
-
-    /// Adds the lines of a span. If they are longer than [`MAX_LINE_BYTES`], adds an excerpt around its start.
-    fn with_source_lines<'a>(&'a self, group: Group<'a>, span: Span) -> Group<'a> {
-        let [start, end] = [span.start, span.end].map(|byte| floor_char_boundary(&self.text, byte));
-        let first = self.line_index.line(start);
-        let from = self.line_index.line_start(first);
-        let lines = from..self.line_index.line_end(&self.text, self.line_index.line(end));
-        if lines.len() > MAX_LINE_BYTES {
-            return self.with_excerpt(group, start..end);
-        }
-        let annotation = AnnotationKind::Primary.span(start - from..end - from);
-        let snippet = Snippet::source(&self.text[lines]).line_start(first + 1);
-        group.element(snippet.path(escape_controls(&self.file)).annotation(annotation))
-    }
-
-    /// Adds the part of a long line around the start of a span, with "..." where the line is cut.
-    fn with_excerpt<'a>(&'a self, group: Group<'a>, span: Range<usize>) -> Group<'a> {
-        let (line, column) = self.line_and_column(span.start);
-        let whole = self.line_index.line_start(line - 1)..self.line_index.line_end(&self.text, line - 1);
-        let boundary = |byte| floor_char_boundary(&self.text, byte);
-        let end = span.end.min(boundary(span.start + EXCERPT_BYTES)).min(whole.end).max(span.start);
-        let from = boundary(span.start.saturating_sub(EXCERPT_BYTES)).max(whole.start);
-        let to = boundary(end + EXCERPT_BYTES).min(whole.end);
-        let before = if from > whole.start { "..." } else { "" };
-        let after = if to < whole.end { "..." } else { "" };
-        let in_excerpt = |byte: usize| byte - from + before.len();
-        let annotation = AnnotationKind::Primary.span(in_excerpt(span.start)..in_excerpt(end));
-        let excerpt = format!("{before}{}{after}", &self.text[from..to]);
-        group
-            .element(Origin::path(escape_controls(&self.file)).line(line).char_column(column))
-            .element(Snippet::source(excerpt).line_start(line).annotation(annotation))
+    /// One diagnostic in the form of [`Report::plain`].
+    fn plain_finding(&self, finding: &Diagnostic) -> String {
+        let position = finding.span.map(|span| {
+            let (line, column) = self.line_and_column(span.start);
+            format!("\n --> {}:{line}:{column}", escape_controls(&self.file))
+        });
+        format!(
+            "{}[{}]: {}{}\n  = help: {}",
+            finding.code.severity().as_str(),
+            finding.code.as_str(),
+            printable(&finding.message),
+            position.unwrap_or_default(),
+            printable(finding.advice())
+        )
     }
 
     /// All diagnostics as JSON objects, for `--json`.
@@ -177,9 +168,14 @@ fn floor_char_boundary(text: &str, byte: usize) -> usize {
     (0..=byte.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
 }
 
+/// The text for a terminal without colours, or the plain text if this crate has no source lines in reports.
 impl fmt::Display for Report {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&self.render(false))
+        #[cfg(feature = "snippets")]
+        let text = self.render(false);
+        #[cfg(not(feature = "snippets"))]
+        let text = self.plain();
+        formatter.write_str(&text)
     }
 }
 
@@ -188,7 +184,7 @@ impl std::error::Error for Report {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::Code;
+    use crate::document::{Code, Span};
 
     fn report(text: &str, span: Span) -> Report {
         let finding = Diagnostic::at(Code::UNKNOWN_KEY, span, "no such key").hint("look it up");
@@ -204,31 +200,34 @@ mod tests {
     }
 
     #[test]
-    fn control_characters_of_paths_and_messages_are_escaped() {
+    fn a_plain_report_has_message_position_and_advice() {
+        let mut report = report("{\n  \"kin\": 1\n}", Span { start: 4, end: 9 });
+        let fault = "error[unknown-key]: no such key\n --> a.json:2:3\n  = help: look it up";
+        assert_eq!(report.plain(), fault);
+        report
+            .findings
+            .push(Diagnostic::without_span(Code::UNUSED_ELEMENT, "nothing uses A1").hint("remove it"));
+        let warning = "warning[unused-element]: nothing uses A1\n  = help: remove it";
+        assert_eq!(report.plain(), format!("{fault}\n\n{warning}"));
+        assert_eq!(Report::new("a.json", "", Vec::new()).plain(), "");
+    }
+
+    #[test]
+    fn a_plain_report_has_no_control_characters() {
         let control = "\u{1b}[31m\u{9b}1m";
-        for text in ["[1]".to_owned(), format!("[{}]", " ".repeat(2 * MAX_LINE_BYTES))] {
-            let finding = Diagnostic::at(Code::SYNTAX, Span { start: 1, end: 2 }, format!("no {control}"));
-            let report = Report::new(&format!("a\n{control}.json"), &text, vec![finding.hint(control)]);
-            let shown = report.to_string();
-            assert!(shown.chars().all(|letter| letter == '\n' || !letter.is_control()), "{shown:?}");
-            assert!(shown.contains("a\\u000a\\u001b[31m\\u009b1m.json:1:2"), "{shown}");
-            assert_eq!(shown.matches("\\u001b[31m").count(), 3, "{shown}");
-        }
+        let finding = Diagnostic::at(Code::SYNTAX, Span { start: 1, end: 2 }, format!("no {control}"));
+        let shown = Report::new(&format!("a\n{control}.json"), "[1]", vec![finding.hint(control)]).plain();
+        assert!(shown.chars().all(|letter| letter == '\n' || !letter.is_control()), "{shown:?}");
+        assert!(shown.contains(" --> a\\u000a\\u001b[31m\\u009b1m.json:1:2\n"), "{shown}");
+        assert_eq!(shown.matches("\\u001b[31m").count(), 3, "{shown}");
     }
 
     #[test]
     fn a_span_inside_a_character_does_not_panic() {
         let text = "{\"µµ\": 1}";
         for start in 0..12 {
-            report(text, Span { start, end: start + 1 }).render(false);
-        }
-    }
-
-    #[test]
-    fn a_report_shows_line_message_and_hint() {
-        let shown = report("{\n  \"kin\": 1\n}", Span { start: 4, end: 9 }).to_string();
-        for part in ["unknown-key", "no such key", "a.json:2:3", "\"kin\"", "look it up"] {
-            assert!(shown.contains(part), "{part} is missing in\n{shown}");
+            let report = report(text, Span { start, end: start + 1 });
+            assert!(!report.to_string().is_empty() && !report.plain().is_empty());
         }
     }
 
@@ -242,23 +241,13 @@ mod tests {
     #[test]
     fn a_report_shows_fifty_diagnostics_and_counts_the_others() {
         let text = "abc\n".repeat(20_000);
-        let shown = report_at_words(&text, 20_000).to_string();
-        assert_eq!(shown.matches("no such key").count(), MAX_FINDINGS_SHOWN);
-        assert!(shown.ends_with("\n\nand 19950 more"), "{shown}");
-        assert_eq!(report_at_words(&text, 20_000).documents().len(), 20_000);
-        assert!(!report_at_words(&text, MAX_FINDINGS_SHOWN).to_string().contains("more"));
-    }
-
-    #[test]
-    fn a_long_line_is_shown_only_around_the_diagnostic() {
-        let text = "µbc ".repeat(3_000_000);
-        let start = 5 * 1_000_000;
-        let finding = Diagnostic::at(Code::UNKNOWN_KEY, Span { start, end: start + 4 }, "no such key");
-        let report = Report::new("a.json", &text, vec![finding; 20_000]);
-        let shown = report.to_string();
-        assert!(shown.contains("a.json:1:4000001\n"), "{shown}");
-        assert!(shown.contains("...µbc µbc") && shown.contains(" ^^^"), "{shown}");
-        assert!(shown.lines().all(|line| line.len() < 200), "{shown}");
-        assert_eq!(report.documents()[19_999].column, Some(4_000_001));
+        let report = report_at_words(&text, 20_000);
+        for shown in [report.to_string(), report.plain()] {
+            assert_eq!(shown.matches("no such key").count(), MAX_FINDINGS_SHOWN);
+            assert!(shown.ends_with("\n\nand 19950 more"), "{shown}");
+        }
+        assert_eq!(report.documents().len(), 20_000);
+        let all = report_at_words(&text, MAX_FINDINGS_SHOWN);
+        assert!(!all.to_string().contains("more") && !all.plain().contains("more"));
     }
 }

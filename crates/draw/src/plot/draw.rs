@@ -1,19 +1,13 @@
 //! Draws one picture from back to front: background, spans, error bands, graticule, border, traces, texts.
 
-use super::font::Font;
 use super::layout::Frame;
 use super::surface::Surface;
 use super::{Picture, PlotError, band, graticule, header, labels, markers, palette, scales, trace};
 
 /// Draws one picture into the upper left corner of a surface.
-pub(super) fn picture(
-    picture: &Picture,
-    frame: &Frame,
-    font: &Font,
-    surface: &mut dyn Surface,
-) -> Result<(), PlotError> {
+pub(super) fn picture(picture: &Picture, frame: &Frame, surface: &mut dyn Surface) -> Result<(), PlotError> {
     surface.rectangle((0.0, 0.0), (frame.width, frame.height), palette::PAGE)?;
-    let top = header::draw(picture, frame, font, surface)?;
+    let top = header::draw(picture, frame, surface)?;
     let screen = frame.screen(picture, top);
     graticule::background(screen, surface)?;
     band::spans(picture, screen, surface)?;
@@ -29,10 +23,10 @@ pub(super) fn picture(
         .map(|(part, colour)| (trace::lines(picture, &part, screen, frame.unit), part, colour))
         .collect();
     let lines: Vec<_> = traces.iter().flat_map(|(lines, ..)| lines).cloned().collect();
-    let marker_labels = markers::draw(picture, &lines, screen, font, surface)?;
+    let marker_labels = markers::draw(picture, &lines, screen, surface)?;
     for (lines, part, colour) in &traces {
         trace::draw(lines, part, *colour, surface)?;
     }
-    labels::draw(picture, lines, marker_labels, screen, font, surface)?;
-    scales::draw(picture, frame, screen, font, surface)
+    labels::draw(picture, lines, marker_labels, screen, surface)?;
+    scales::draw(picture, frame, screen, surface)
 }

@@ -1,10 +1,9 @@
 //! Line drawings as data: schematics, patch panels and figures.
 
 use super::clip::Area;
-use super::font::{self, Font};
 use super::surface::{Surface, TextStyle};
 use super::theme::{Ink, Theme};
-use super::{Format, PlotError, raster, svg};
+use super::{Format, PlotError, font, raster, svg};
 
 /// A line drawing: a list of primitives on a page.
 ///
@@ -154,7 +153,7 @@ impl Primitive {
     }
 }
 
-/// Returns the width of a line of text at an em size; 0 if the font cannot be read.
+/// Returns the width of a line of text at an em size, in the built-in font.
 ///
 /// # Examples
 ///
@@ -165,7 +164,7 @@ impl Primitive {
 /// assert_eq!(text_width("", 10.0), 0.0);
 /// ```
 pub fn text_width(text: &str, size: f64) -> f64 {
-    Font::shared().map_or(0.0, |font| font.width(&font::printable(text), size))
+    font::width(&font::printable(text), size)
 }
 
 /// Truncates a text to a maximum width. A truncated text ends in an ellipsis.
@@ -182,7 +181,7 @@ pub fn text_width(text: &str, size: f64) -> f64 {
 /// assert!(short.ends_with('…') && text_width(&short, 10.0) <= 30.0);
 /// ```
 pub fn truncate_text(text: &str, size: f64, max_width: f64) -> String {
-    Font::shared().map_or_else(|_| String::new(), |font| font.truncated(text, size, max_width))
+    font::truncated(text, size, max_width)
 }
 
 /// Renders a drawing and returns the bytes of the file. Equal drawings give equal bytes.
@@ -206,10 +205,9 @@ pub fn truncate_text(text: &str, size: f64, max_width: f64) -> String {
 /// ```
 pub fn render_drawing(drawing: &Drawing, format: Format, theme: Theme) -> Result<Vec<u8>, PlotError> {
     let size = drawing.size(format)?;
-    let font = Font::load()?;
     match format {
         Format::Svg => svg::render_drawing(size, |surface| drawing.paint(theme, surface)),
-        Format::Png => raster::render_drawing(size, &font, |surface| drawing.paint(theme, surface)),
+        Format::Png => raster::render_drawing(size, |surface| drawing.paint(theme, surface)),
     }
 }
 

@@ -1,10 +1,9 @@
 //! The rows above the screen: title, note, warning and legend.
 
 use super::colour::Colour;
-use super::font::Font;
 use super::layout::{Frame, LABEL_TEXT, MARGIN};
 use super::surface::{Align, Surface, TextStyle};
-use super::{Channel, Picture, PlotError, palette, trace};
+use super::{Channel, Picture, PlotError, font, palette, trace};
 
 /// The em size of the title.
 const TITLE_TEXT: f64 = 18.0;
@@ -38,14 +37,9 @@ const ENTRY_GAP: f64 = 22.0;
 const MAX_LEGEND_ROWS: usize = 4;
 
 /// Draws title, note, warning and legend, and returns the upper edge of the screen.
-pub(super) fn draw(
-    picture: &Picture,
-    frame: &Frame,
-    font: &Font,
-    surface: &mut dyn Surface,
-) -> Result<f64, PlotError> {
-    let legend = legend(picture, font, frame.max_text_width());
-    let mut header = HeaderWriter { frame, font, surface, baseline: TOP_MARGIN };
+pub(super) fn draw(picture: &Picture, frame: &Frame, surface: &mut dyn Surface) -> Result<f64, PlotError> {
+    let legend = legend(picture, frame.max_text_width());
+    let mut header = HeaderWriter { frame, surface, baseline: TOP_MARGIN };
     let remaining = header.title_row(&picture.title, legend)?;
     if let Some(note) = &picture.note {
         header.baseline += NOTE_ROW;
@@ -55,7 +49,7 @@ pub(super) fn draw(
         header.baseline += NOTE_ROW;
         header.write(warning, NOTE_TEXT, palette::WARNING)?;
     }
-    for row in rows(remaining, font, frame.max_text_width()) {
+    for row in rows(remaining, frame.max_text_width()) {
         header.baseline += LEGEND_ROW;
         header.legend_row(&row, MARGIN)?;
     }
@@ -66,8 +60,6 @@ pub(super) fn draw(
 struct HeaderWriter<'a> {
     /// The size of the picture and of its margins.
     frame: &'a Frame,
-    /// The font, for the widths of names.
-    font: &'a Font,
     /// The surface that is drawn on.
     surface: &'a mut dyn Surface,
     /// The baseline of the last row.
@@ -84,7 +76,7 @@ impl HeaderWriter<'_> {
         legend: Vec<LegendEntry<'a>>,
     ) -> Result<Vec<LegendEntry<'a>>, PlotError> {
         let max_width = self.frame.max_text_width();
-        let title_width = self.font.width(title, TITLE_TEXT);
+        let title_width = font::width(title, TITLE_TEXT);
         let in_same_row = !legend.is_empty() && width(&legend) <= max_width - title_width - ENTRY_GAP;
         if in_same_row || !title.is_empty() {
             self.baseline += TITLE_ROW;
@@ -99,7 +91,7 @@ impl HeaderWriter<'_> {
 
     /// Writes a text at the left margin of the last row, truncated to the width of the picture.
     fn write(&mut self, text: &str, size: f64, colour: Colour) -> Result<(), PlotError> {
-        let text = self.font.truncated(text, size, self.frame.max_text_width());
+        let text = font::truncated(text, size, self.frame.max_text_width());
         let style = TextStyle { size, colour, align: Align::Start };
         self.surface.text(&text, (MARGIN, self.baseline), style)
     }
@@ -135,24 +127,24 @@ struct LegendEntry<'a> {
 
 impl LegendEntry<'_> {
     /// Returns the last entry of a legend from which this number of channels is missing.
-    fn missing(channels: usize, font: &Font) -> Self {
+    fn missing(channels: usize) -> Self {
         let name = format!("and {channels} more");
-        LegendEntry { width: font.width(&name, LABEL_TEXT), name, sample: None }
+        LegendEntry { width: font::width(&name, LABEL_TEXT), name, sample: None }
     }
 }
 
 /// Returns the entries of the legend.
 ///
 /// A single channel has no legend, unless there is a right axis.
-fn legend<'a>(picture: &'a Picture, font: &Font, max_width: f64) -> Vec<LegendEntry<'a>> {
+fn legend<'a>(picture: &'a Picture, max_width: f64) -> Vec<LegendEntry<'a>> {
     if picture.channels.len() < 2 && picture.vertical_right.is_none() {
         return Vec::new();
     }
     let max_width = max_width - SAMPLE_LENGTH - SAMPLE_GAP;
     let entry = |(index, channel): (usize, &'a Channel)| {
-        let name = font.truncated_before(axis_note(picture, channel), &channel.name, LABEL_TEXT, max_width);
+        let name = font::truncated_before(axis_note(picture, channel), &channel.name, LABEL_TEXT, max_width);
         LegendEntry {
-            width: SAMPLE_LENGTH + SAMPLE_GAP + font.width(&name, LABEL_TEXT),
+            width: SAMPLE_LENGTH + SAMPLE_GAP + font::width(&name, LABEL_TEXT),
             name,
             sample: Some((channel, palette::channel(index, channel))),
         }
@@ -178,8 +170,8 @@ fn width(row: &[LegendEntry<'_>]) -> f64 {
 /// Breaks the legend into rows of at most `max_width`.
 ///
 /// If there are more than [`MAX_LEGEND_ROWS`], the last entry says how many channels are missing.
-fn rows<'a>(legend: Vec<LegendEntry<'a>>, font: &Font, max_width: f64) -> Vec<Vec<LegendEntry<'a>>> {
-    let mut rows: Vec<Vec<LegendEntry<'a>>> = Vec::new();
+fn rows(legend: Vec<LegendEntry<'_>>, max_width: f64) -> Vec<Vec<LegendEntry<'_>>> {
+    let mut rows: Vec<Vec<LegendEntry<'_>>> = Vec::new();
     for entry in legend {
         match rows.last_mut() {
             Some(row) if width(row) + ENTRY_GAP + entry.width <= max_width => row.push(entry),
@@ -189,11 +181,11 @@ fn rows<'a>(legend: Vec<LegendEntry<'a>>, font: &Font, max_width: f64) -> Vec<Ve
     let mut missing: usize = rows.iter().skip(MAX_LEGEND_ROWS).map(Vec::len).sum();
     rows.truncate(MAX_LEGEND_ROWS);
     if let Some(last) = rows.last_mut().filter(|_| missing > 0) {
-        let mut note = LegendEntry::missing(missing, font);
+        let mut note = LegendEntry::missing(missing);
         // The note may take the place of further entries.
         while width(last) + ENTRY_GAP + note.width > max_width && last.pop().is_some() {
             missing += 1;
-            note = LegendEntry::missing(missing, font);
+            note = LegendEntry::missing(missing);
         }
         last.push(note);
     }

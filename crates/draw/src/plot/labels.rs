@@ -7,10 +7,9 @@
 
 use super::callout;
 use super::clip::{Area, clip};
-use super::font::Font;
 use super::surface::{Align, Surface, TextStyle};
 use super::trace::{DOT_RADIUS, Line, Projection};
-use super::{Channel, Picture, PlotError, graticule, palette};
+use super::{Channel, Picture, PlotError, font, graticule, palette};
 
 /// The em size of the labels.
 const TEXT_SIZE: f64 = 11.5;
@@ -43,15 +42,14 @@ pub(super) fn draw(
     mut lines: Vec<Line>,
     mut taken: Vec<Area>,
     screen: Area,
-    font: &Font,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
     let zero_lines = graticule::zero_lines(picture, screen);
     for channel in &picture.channels {
         let projection = Projection { picture, channel, screen };
         for (end, label) in &channel.labels {
-            let label = font.truncated(label, TEXT_SIZE, screen.width() / 2.0);
-            let width = font.width(&label, TEXT_SIZE);
+            let label = font::truncated(label, TEXT_SIZE, screen.width() / 2.0);
+            let width = font::width(&label, TEXT_SIZE);
             let points = candidate_points(channel, *end).filter_map(|point| channel.points.get(point));
             let points: Vec<_> = points.map(|point| projection.project(*point)).collect();
             let size = (clearance(channel), width);

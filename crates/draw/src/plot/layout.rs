@@ -1,8 +1,7 @@
 //! The layout that all pictures of a sheet share.
 
 use super::clip::Area;
-use super::font::Font;
-use super::{Axis, Picture, Size, ticks};
+use super::{Axis, Picture, Size, font, ticks};
 
 /// The margin around the picture.
 pub(super) const MARGIN: f64 = 16.0;
@@ -46,12 +45,12 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Returns the frame for pictures of a size; the widest numbers of all pictures set the gutters.
-    pub(super) fn for_pictures(pictures: &[Picture], size: Size, font: &Font) -> Frame {
+    pub(super) fn for_pictures(pictures: &[Picture], size: Size) -> Frame {
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         let unit = (width / NOMINAL_SIZE.0).min(height / NOMINAL_SIZE.1);
         let unit = unit.clamp(UNIT_RANGE.0, UNIT_RANGE.1);
-        let widest = |gutter: fn(&Picture, &Font) -> f64| {
-            let gutters = pictures.iter().map(|picture| gutter(picture, font));
+        let widest = |gutter: fn(&Picture) -> f64| {
+            let gutters = pictures.iter().map(gutter);
             let max = width / unit * MAX_GUTTER;
             gutters.fold(0.0, f64::max).clamp(0.0, max).round()
         };
@@ -106,25 +105,25 @@ fn equally_scaled(picture: &Picture, whole: Area) -> Area {
 }
 
 /// Returns the width to the left of the screen, for the numbers of the left axis.
-fn left_gutter(picture: &Picture, font: &Font) -> f64 {
-    let numbers = MARGIN + widest_number(&picture.vertical, font) + TICK_GAP;
-    numbers.max(half_number(&picture.horizontal, font))
+fn left_gutter(picture: &Picture) -> f64 {
+    let numbers = MARGIN + widest_number(&picture.vertical) + TICK_GAP;
+    numbers.max(half_number(&picture.horizontal))
 }
 
 /// Returns the width to the right of the screen, for the numbers of the right axis if there is one.
-fn right_gutter(picture: &Picture, font: &Font) -> f64 {
-    let numbers = picture.vertical_right.as_ref().map_or(0.0, |axis| widest_number(axis, font) + TICK_GAP);
-    (MARGIN + numbers).max(half_number(&picture.horizontal, font))
+fn right_gutter(picture: &Picture) -> f64 {
+    let numbers = picture.vertical_right.as_ref().map_or(0.0, |axis| widest_number(axis) + TICK_GAP);
+    (MARGIN + numbers).max(half_number(&picture.horizontal))
 }
 
 /// Returns the width for the half of a number that extends beyond a corner of the screen.
-fn half_number(axis: &Axis, font: &Font) -> f64 {
-    MARGIN / 2.0 + widest_number(axis, font) / 2.0
+fn half_number(axis: &Axis) -> f64 {
+    MARGIN / 2.0 + widest_number(axis) / 2.0
 }
 
 /// Returns the width of the widest number of an axis.
-fn widest_number(axis: &Axis, font: &Font) -> f64 {
-    ticks::with_stride(axis, 1).iter().map(|tick| font.width(&tick.text, TICK_TEXT)).fold(0.0, f64::max)
+fn widest_number(axis: &Axis) -> f64 {
+    ticks::with_stride(axis, 1).iter().map(|tick| font::width(&tick.text, TICK_TEXT)).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -4,10 +4,9 @@
 //! rows at the lower edge, if it is free of traces there.
 
 use super::clip::{Area, clip};
-use super::font::Font;
 use super::surface::{Align, Surface, TextStyle};
 use super::trace::Line;
-use super::{Picture, PlotError, palette};
+use super::{Picture, PlotError, font, palette};
 
 /// The em size of the labels.
 const TEXT_SIZE: f64 = 11.5;
@@ -43,7 +42,6 @@ pub(super) fn draw(
     picture: &Picture,
     lines: &[Line],
     screen: Area,
-    font: &Font,
     surface: &mut dyn Surface,
 ) -> Result<Vec<Area>, PlotError> {
     let fractions = picture.markers.iter().map(|marker| picture.horizontal.fraction(marker.at));
@@ -59,8 +57,8 @@ pub(super) fn draw(
             draw_dashes(x, screen, surface)?;
             next_line_from = x + MIN_LINE_GAP;
         }
-        let label = font.truncated(&marker.label, TEXT_SIZE, screen.width());
-        let (from, to) = label_extent(x, font.width(&label, TEXT_SIZE), screen);
+        let label = font::truncated(&marker.label, TEXT_SIZE, screen.width());
+        let (from, to) = label_extent(x, font::width(&label, TEXT_SIZE), screen);
         if let Some(area) = rows.place(from, to, lines) {
             let style = TextStyle { size: TEXT_SIZE, colour: palette::NOTE, align: Align::Start };
             surface.text(&label, (area.left, area.bottom), style)?;

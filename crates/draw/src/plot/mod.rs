@@ -22,6 +22,7 @@ mod header;
 mod labels;
 mod layout;
 mod markers;
+mod outlines;
 mod palette;
 mod picture;
 mod raster;

@@ -11,19 +11,16 @@ use tiny_skia::{
 
 use super::colour::Colour;
 use super::layout::Frame;
+use super::outlines::Outlines;
 use super::surface::{Surface, TextStyle, drawing_error};
-use super::{Picture, PlotError, Size, draw, font::Font};
+use super::{Picture, PlotError, Size, draw, font};
 
 /// Renders pictures one below the other and returns the bytes of a PNG file.
-pub(super) fn render_sheet(
-    pictures: &[Picture],
-    size: Size,
-    frame: &Frame,
-    font: &Font,
-) -> Result<Vec<u8>, PlotError> {
+pub(super) fn render_sheet(pictures: &[Picture], size: Size, frame: &Frame) -> Result<Vec<u8>, PlotError> {
+    let outlines = Outlines::load()?;
     let mut pixels = Vec::new();
     for picture in pictures {
-        pixels.extend(one_picture(picture, size, frame, font)?);
+        pixels.extend(one_picture(picture, size, frame, &outlines)?);
     }
     encode(&pixels, size.width, size.height * pictures.len() as u32)
 }
@@ -31,10 +28,9 @@ pub(super) fn render_sheet(
 /// Renders a line drawing and returns the bytes of a PNG file.
 pub(super) fn render_drawing(
     (width, height): (u32, u32),
-    font: &Font,
     paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
 ) -> Result<Vec<u8>, PlotError> {
-    encode(&paint_pixels((width, height), 1.0, font, paint)?, width, height)
+    encode(&paint_pixels((width, height), 1.0, &Outlines::load()?, paint)?, width, height)
 }
 
 /// Returns the bytes of a PNG file. `pixels` are red, green and blue of each pixel, row by row.
@@ -53,9 +49,14 @@ fn encode(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PlotError> 
 }
 
 /// Returns the pixels of one picture.
-fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<Vec<u8>, PlotError> {
-    paint_pixels((size.width, size.height), frame.unit, font, |surface| {
-        draw::picture(picture, frame, font, surface)
+fn one_picture(
+    picture: &Picture,
+    size: Size,
+    frame: &Frame,
+    outlines: &Outlines,
+) -> Result<Vec<u8>, PlotError> {
+    paint_pixels((size.width, size.height), frame.unit, outlines, |surface| {
+        draw::picture(picture, frame, surface)
     })
 }
 
@@ -63,12 +64,12 @@ fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Res
 fn paint_pixels(
     (width, height): (u32, u32),
     unit: f64,
-    font: &Font,
+    outlines: &Outlines,
     paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
 ) -> Result<Vec<u8>, PlotError> {
     let mut pixels = Pixmap::new(width, height).ok_or_else(|| drawing_error("the picture has no pixels"))?;
     pixels.fill(Color::WHITE);
-    let mut surface = RasterSurface { pixels, scale: unit as f32, font };
+    let mut surface = RasterSurface { pixels, scale: unit as f32, outlines };
     paint(&mut surface)?;
     Ok(surface.pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect())
 }
@@ -79,8 +80,8 @@ struct RasterSurface<'a> {
     pixels: Pixmap,
     /// Pixels per picture unit.
     scale: f32,
-    /// The font of all texts.
-    font: &'a Font,
+    /// The outlines of the letters.
+    outlines: &'a Outlines,
 }
 
 impl RasterSurface<'_> {
@@ -188,8 +189,8 @@ impl Surface for RasterSurface<'_> {
     }
 
     fn text(&mut self, text: &str, at: (f64, f64), style: TextStyle) -> Result<(), PlotError> {
-        let start = at.0 - style.align.shift(self.font.width(text, style.size));
-        let curves = self.font.outlines(text, style.size, (start, at.1));
+        let start = at.0 - style.align.shift(font::width(text, style.size));
+        let curves = self.outlines.of_text(text, style.size, (start, at.1));
         self.fill(glyph_path(&curves), &ink(style.colour));
         Ok(())
     }
@@ -204,8 +205,8 @@ mod tests {
 
     /// Returns the red channel of an image that is 8 pixels wide and 4 pixels high.
     fn painted(paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>) -> Vec<u8> {
-        let font = Font::load().unwrap();
-        paint_pixels((8, 4), 2.0, &font, paint).unwrap().into_iter().step_by(3).collect()
+        let outlines = Outlines::load().unwrap();
+        paint_pixels((8, 4), 2.0, &outlines, paint).unwrap().into_iter().step_by(3).collect()
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! Renders a sheet of scope pictures.
 
-use super::font::Font;
 use super::layout::Frame;
 use super::{Axis, Drawing, Format, Picture, PlotError, raster, svg};
 
@@ -110,11 +109,10 @@ pub fn render_scaled(
 ) -> Result<Vec<u8>, PlotError> {
     check_sheet(pictures.len(), format, size, scale)?;
     pictures.iter().flat_map(Picture::axes).try_for_each(check_axis)?;
-    let font = Font::load()?;
-    let frame = Frame::for_pictures(pictures, size, &font);
+    let frame = Frame::for_pictures(pictures, size);
     match format {
-        Format::Svg => svg::render_sheet(pictures, size, &frame, &font),
-        Format::Png => raster::render_sheet(pictures, size.scaled(scale), &frame.magnified(scale), &font),
+        Format::Svg => svg::render_sheet(pictures, size, &frame),
+        Format::Png => raster::render_sheet(pictures, size.scaled(scale), &frame.magnified(scale)),
     }
 }
 

@@ -2,10 +2,9 @@
 
 use super::clip::Area;
 use super::colour::Colour;
-use super::font::Font;
 use super::layout::{Frame, LABEL_TEXT, MARGIN, TICK_GAP, TICK_TEXT};
 use super::surface::{Align, Surface, TextStyle};
-use super::{Axis, Picture, PlotError, palette, ticks};
+use super::{Axis, Picture, PlotError, font, palette, ticks};
 
 /// The distance from the middle of a digit down to its baseline.
 const HALF_DIGIT: f64 = 0.36 * TICK_TEXT;
@@ -30,10 +29,9 @@ pub(super) fn draw(
     picture: &Picture,
     frame: &Frame,
     screen: Area,
-    font: &Font,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
-    let mut scales = Scales { frame, screen, font, surface };
+    let mut scales = Scales { frame, screen, surface };
     let (left, right) = colours(picture);
     scales.horizontal_scale(&picture.horizontal)?;
     scales.vertical_scale(&picture.vertical, Side::Left, left)?;
@@ -77,8 +75,6 @@ struct Scales<'a> {
     frame: &'a Frame,
     /// The screen in picture units.
     screen: Area,
-    /// The font, for the widths of numbers.
-    font: &'a Font,
     /// The surface that is drawn on.
     surface: &'a mut dyn Surface,
 }
@@ -87,7 +83,7 @@ impl Scales<'_> {
     /// Writes the numbers and the title below the screen.
     fn horizontal_scale(&mut self, axis: &Axis) -> Result<(), PlotError> {
         let screen = self.screen;
-        let extent = |text: &str| self.font.width(text, TICK_TEXT) + NUMBER_GAP;
+        let extent = |text: &str| font::width(text, TICK_TEXT) + NUMBER_GAP;
         for tick in ticks::fit(axis, screen.width(), extent) {
             let x = screen.left + tick.fraction * screen.width();
             let at = (x, screen.bottom + NUMBERS_BELOW);
@@ -136,7 +132,7 @@ impl Scales<'_> {
 
     /// Returns label and unit. If they do not fit, the label is truncated.
     fn title(&self, axis: &Axis, max_width: f64) -> String {
-        self.font.truncated_before(&ticks::unit(axis), &axis.label, LABEL_TEXT, max_width)
+        font::truncated_before(&ticks::unit(axis), &axis.label, LABEL_TEXT, max_width)
     }
 
     /// Draws a mark at each division of the right axis.

@@ -14,7 +14,7 @@ use plotters_svg::SVGBackend;
 use super::colour::Colour;
 use super::layout::Frame;
 use super::surface::{Align, Surface, TextStyle, drawing_error, whole_point, whole_points};
-use super::{Picture, PlotError, Size, draw, font::Font};
+use super::{Picture, PlotError, Size, draw};
 
 /// The number of coordinate units per pixel. The drawing library takes whole coordinates only.
 const UNITS_PER_PIXEL: u32 = 10;
@@ -29,19 +29,14 @@ const LIBRARY_FONT_FACTOR: f64 = 1.24;
 const LIBRARY_ASCENT: f64 = 0.76;
 
 /// Renders pictures one below the other and returns the bytes of an SVG file.
-pub(super) fn render_sheet(
-    pictures: &[Picture],
-    size: Size,
-    frame: &Frame,
-    font: &Font,
-) -> Result<Vec<u8>, PlotError> {
+pub(super) fn render_sheet(pictures: &[Picture], size: Size, frame: &Frame) -> Result<Vec<u8>, PlotError> {
     let mut text = String::new();
     let (width, height) = (size.width as usize, size.height as usize * pictures.len());
     open_sheet(&mut text, width, height).map_err(drawing_error)?;
     for (index, picture) in pictures.iter().enumerate() {
         let top = index * (size.height * UNITS_PER_PIXEL) as usize;
         writeln!(text, r#"<g transform="translate(0 {top})">"#).map_err(drawing_error)?;
-        text.push_str(&one_picture(picture, size, frame, font)?);
+        text.push_str(&one_picture(picture, size, frame)?);
         text.push_str("</g>\n");
     }
     text.push_str("</svg>\n");
@@ -74,8 +69,8 @@ pub(super) fn render_drawing(
 }
 
 /// Returns the SVG text of one picture, without the start and the end of the file.
-fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<String, PlotError> {
-    paint_text((size.width, size.height), frame.unit, |surface| draw::picture(picture, frame, font, surface))
+fn one_picture(picture: &Picture, size: Size, frame: &Frame) -> Result<String, PlotError> {
+    paint_text((size.width, size.height), frame.unit, |surface| draw::picture(picture, frame, surface))
 }
 
 /// Returns the SVG text of what `paint` draws.

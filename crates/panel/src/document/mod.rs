@@ -101,7 +101,10 @@ impl Refusal {
 
 impl From<EditError> for Refusal {
     fn from(error: EditError) -> Refusal {
-        Refusal::new(error.to_string())
+        match error {
+            EditError::InvalidDocument(report) => Refusal::new(report.plain()),
+            error => Refusal::new(error.to_string()),
+        }
     }
 }
 
@@ -346,7 +349,7 @@ impl Document {
 fn parsed(file: &str, text: &str, table_access: &TableAccess) -> Result<Patch, Refusal> {
     limits::check_text(text).map_err(Refusal::new)?;
     let patch = Patch::parse_with(table_access.clone(), file, text);
-    let patch = patch.map_err(|report| Refusal::new(report.to_string()))?;
+    let patch = patch.map_err(|report| Refusal::new(report.plain()))?;
     limits::check_patch(&patch).map_err(Refusal::new)?;
     Ok(patch)
 }

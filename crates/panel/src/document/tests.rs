@@ -331,7 +331,9 @@ fn data_that_are_no_snapshot_are_refused() {
 #[test]
 fn a_text_that_is_not_a_patch_is_refused_with_the_report() {
     let refused = Document::open("p.json", "{\"patchcord\": 1,}", &TableAccess::None).unwrap_err();
-    assert!(refused.message.contains("remove the last comma"), "{}", refused.message);
+    let (message, place) = refused.message.split_once('\n').unwrap();
+    assert!(message.starts_with("error[syntax]: "), "{message}");
+    assert_eq!(place, " --> p.json:1:16\n  = help: remove the last comma");
     let mut document = lesson();
     let refused = refusal(&mut document, &replaced("{\"patchcord\": 1,}"));
     assert!(refused.message.contains("remove the last comma"), "{}", refused.message);
