@@ -17,6 +17,11 @@ pub(crate) fn base_name(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)
 }
 
+/// The title of a patch, or the name of its file if it has none.
+fn title(patch: &Patch) -> &str {
+    if patch.title.is_empty() { base_name(patch.file()) } else { &patch.title }
+}
+
 /// The text of an experiment file: the document of the client with the names of the patch and of the data.
 ///
 /// # Errors
@@ -30,7 +35,8 @@ pub(crate) fn experiment_text(
         return Err(format!("the experiment of a comparison has no key \"{key}\": the opened file is used"));
     }
     let mut whole = Map::new();
-    whole.extend(document.get("title").map(|title| ("title".to_owned(), title.clone())));
+    // The key comes first. A title of the client replaces this one.
+    whole.insert("title".to_owned(), format!("{}, compared with {}", title(patch), data.name).into());
     whole.insert("patch".to_owned(), base_name(patch.file()).into());
     whole.insert("data".to_owned(), data.name.as_str().into());
     whole.extend(document.clone());

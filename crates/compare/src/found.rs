@@ -32,7 +32,7 @@ pub(crate) fn found(
             elements: new_names(&experiment.patch, &patch),
         }),
         fitted: fitted.text().to_owned(),
-        report: report.page(library).map_err(|error| error.to_string())?,
+        report: report.single_page(library).map_err(|error| error.to_string())?,
     })
 }
 

@@ -28,7 +28,7 @@ pub(crate) fn request(commands: &[Value]) -> String {
 
 /// The events that are the answer to a command. Progress is ignored.
 pub(crate) fn events(comparison: &mut Comparison, command: &Value) -> Vec<Value> {
-    let text = comparison.request(&request(&[command.clone()]), &mut |_| ());
+    let text = comparison.request(&request(std::slice::from_ref(command)), &mut |_| ());
     let response: Value = serde_json::from_str(&text).unwrap();
     assert_eq!((&response["id"], &response["frame"]), (&json!(7), &json!(false)));
     assert!(response.get("partial").is_none());

@@ -132,7 +132,12 @@ fn the_saved_experiment_is_the_same() {
     let (patch_text, data) = files();
     let (_, events) = spring();
     let text = events[0]["experiment"].as_str().unwrap();
-    assert!(text.starts_with("{\n  \"patch\": \"p.json\",\n  \"data\": \"measured.csv\",\n"), "{text}");
+    let first = [
+        r#"  "title": "Mass on a spring, compared with measured.csv","#,
+        r#"  "patch": "p.json","#,
+        r#"  "data": "measured.csv","#,
+    ];
+    assert_eq!(text.lines().skip(1).take(3).collect::<Vec<_>>(), first, "{text}");
     let patch = Patch::parse("p.json", &patch_text).unwrap();
     let files = GivenFiles { patch: &patch, data: &[("measured.csv", data.as_str())] };
     let experiment = Experiment::parse_given(&files, "e.json", text).unwrap();
@@ -160,7 +165,9 @@ fn the_search_finds_the_friction_and_rejects_the_other_effects() {
     assert_eq!((&friction["unit"], &friction["of"]), (&json!("1/s"), &json!("viscous-friction at A1")));
     let [value, low, high] = ["value", "low", "high"].map(|key| stiffness[key].as_f64().unwrap());
     assert!((value - 16.0).abs() < 0.05 && low < value && value < high, "{stiffness}");
-    assert!(found["report"].as_str().unwrap().contains("viscous-friction"));
+    let report = found["report"].as_str().unwrap();
+    assert!(report.contains("<h1>Mass on a spring, compared with measured.csv</h1>"));
+    assert!(report.contains("viscous-friction") && report.contains("fitted.json") && !report.contains("<a "));
 
     let before = Patch::parse("p.json", &example("spring.json")).unwrap();
     let after = Patch::parse("p.json", found["patch"]["text"].as_str().unwrap()).unwrap();

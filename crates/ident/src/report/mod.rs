@@ -54,6 +54,9 @@ use patchcord_core::document::json_value;
 use patchcord_core::patch::Patch;
 use patchcord_draw::plot::PlotError;
 
+/// The files next to a page to which it has links.
+const FILES: [&str; 4] = ["fitted.json", "augmented.json", "recovered.json", "separate.csv"];
+
 /// The outcome of a search, with the experiment and the problem that it belongs to.
 ///
 /// # Examples
@@ -149,5 +152,14 @@ impl<'a> Report<'a> {
     /// If a picture cannot be drawn.
     pub fn page(&self, library: &Library) -> Result<String, PlotError> {
         page::page(self, library)
+    }
+
+    /// The same page for a reader who has no other files: the names of files are no links.
+    ///
+    /// # Errors
+    /// As for [`Report::page`].
+    pub fn single_page(&self, library: &Library) -> Result<String, PlotError> {
+        let link = |file: &str| format!("<a href=\"{file}\">{file}</a>");
+        Ok(FILES.iter().fold(self.page(library)?, |page, file| page.replace(&link(file), file)))
     }
 }

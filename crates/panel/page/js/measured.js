@@ -232,6 +232,7 @@ export function mountMeasured() {
     given = file;
     showFound(null);
     byId('tab-measured').click();
+    root.closest('.views').scrollIntoView();
     waiting.add('begin');
     follow();
     pump();
