@@ -1,6 +1,6 @@
 /**
  * Makes the pictures of docs/panel.md: `node screenshots.mjs [NAME...]`. The server of the command shows Fig 8.16 at a fixed
- * problem time, so the pictures change only if the page does.
+ * problem time, or measured data of a spring, so the pictures change only if the page does.
  */
 
 import { mkdir, writeFile } from 'node:fs/promises';
@@ -11,6 +11,10 @@ import { ROOT, startHost } from './hosts.mjs';
 
 const PATCH = 'patches/thesis/fig-8-16.json';
 const TITLE = 'Final simulation circuit';
+/** A patch with measured data, and what the search finds. */
+const SPRING = 'examples/05_missing_effect/spring.json';
+const MEASURED = join(ROOT, 'examples/05_missing_effect/measured.csv');
+const FOUND = 'viscous-friction at A1 is missing';
 const FOLDER = join(ROOT, 'docs/pictures/panel');
 /** Seconds of the run, and the time at its end as the page writes it. */
 const [RUN, END] = ['0.8', '0.8000'];
@@ -23,7 +27,7 @@ const LARGEST = 250_000;
 
 const desk = { width: 1280, height: 1000 };
 const large = { width: 1920, height: 1080 };
-/** What each picture shows: the window, keys that are pressed when the machine holds, and a part of the page. */
+/** What each picture shows: the window, keys that are pressed at the end, a part of the page, and what comes before. */
 const PICTURES = {
   '1280-light': desk,
   '1280-dark': { ...desk, dark: true },
@@ -35,6 +39,7 @@ const PICTURES = {
   board: { ...large, keys: '2vv', part: '.views' },
   equations: { ...large, keys: '3vv', part: '.views' },
   gallery: { ...desk, keys: 'g' },
+  measured: { ...large, keys: 'vv', part: '.views', patch: SPRING, prepare: search },
 };
 
 /** Runs the patch once and leaves it in hold. */
@@ -51,6 +56,16 @@ async function run(page) {
   await page.locator('#time', { hasText: END }).waitFor();
 }
 
+/** Opens measured data and searches for what the patch lacks. */
+async function search(page) {
+  await page.getByLabel('Patch file or data file').setInputFiles(MEASURED);
+  const view = page.getByRole('tabpanel', { name: 'Measured data' });
+  // The motion depends on k/m only, so one of them is fitted.
+  await view.getByRole('checkbox', { name: 'm', exact: true }).uncheck();
+  await view.getByRole('button', { name: 'Search', exact: true }).click();
+  await view.getByText(FOUND, { exact: true }).waitFor();
+}
+
 /** Chromium writes PNG and JPEG only, but its pages write WebP, which is smaller and has sharper text. */
 async function webp(browser, png) {
   const page = await browser.newPage();
@@ -65,14 +80,15 @@ async function webp(browser, png) {
   return Buffer.from(text, 'base64');
 }
 
-async function draw(browser, address, name) {
-  const { keys = '', part = null, dark = false, touch = false, ...viewport } = PICTURES[name];
+async function draw(browser, name) {
+  const { keys = '', part = null, dark = false, touch = false, patch = PATCH, prepare = run, ...viewport } = PICTURES[name];
+  const host = await startHost('server', patch);
   const context = await browser.newContext({
     viewport, colorScheme: dark ? 'dark' : 'light', hasTouch: touch, reducedMotion: 'reduce', locale: 'en-GB',
   });
   const page = await context.newPage();
-  await page.goto(address);
-  await run(page);
+  await page.goto(host.address);
+  await prepare(page);
   for (const key of keys) await page.keyboard.press(key);
   await page.evaluate(() => {
     document.activeElement.blur();
@@ -82,6 +98,7 @@ async function draw(browser, address, name) {
   await page.waitForTimeout(REST);
   const content = await webp(browser, await (part ? page.locator(part) : page).screenshot());
   await context.close();
+  host.stop();
   if (content.length > LARGEST) throw new Error(`${name} has ${content.length} bytes, and the limit is ${LARGEST}.`);
   await writeFile(join(FOLDER, `${name}.webp`), content);
   console.log(`${name}.webp: ${(content.length / 1000).toFixed(0)} kB`);
@@ -94,11 +111,9 @@ if (unknown) {
   process.exit(1);
 }
 await mkdir(FOLDER, { recursive: true });
-const host = await startHost('server', PATCH);
 const browser = await launch();
 try {
-  for (const name of names) await draw(browser, host.address, name);
+  for (const name of names) await draw(browser, name);
 } finally {
   await browser.close();
-  host.stop();
 }
