@@ -112,6 +112,8 @@ export function mountScope(root, index) {
     model.span = spanOf(controls);
     screen.isStale = true;
     update(controls, others ? patch : null);
+    // A screen that is out of sight is not painted, and has a text nevertheless.
+    describe(performance.now());
     schedule();
   }
 
