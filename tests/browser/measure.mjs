@@ -56,7 +56,7 @@ async function open(browser, address, [width, height]) {
 const intervals = (page, count) => page.evaluate(async (pictures) => {
   const { on } = await import(new URL('js/state.js', document.baseURI).href);
   let frames = 0;
-  const stop = on('frame', () => { frames += 1; });
+  on('frame', () => { frames += 1; });
   const times = await new Promise((resolve) => {
     const found = [];
     const next = (now) => {
@@ -66,7 +66,6 @@ const intervals = (page, count) => page.evaluate(async (pictures) => {
     };
     requestAnimationFrame(next);
   });
-  stop();
   return { frames, intervals: times.slice(1).map((time, at) => time - times[at]) };
 }, count);
 
@@ -75,16 +74,13 @@ const turns = (page, count) => page.evaluate(async (number) => {
   const { on, send, state } = await import(new URL('js/state.js', document.baseURI).href);
   const { name, value } = state.patch.parameters[0];
   const found = [];
+  let arrive = () => {};
+  on('frame', () => arrive());
   for (let turn = 1; turn <= number; turn += 1) {
     await new Promise((resolve) => { setTimeout(resolve, 50 + 7 * (turn % 5)); });
     const begin = performance.now();
     await send({ command: 'parameter', name, value: value * (1 + turn / 1000) });
-    await new Promise((resolve) => {
-      const stop = on('frame', () => {
-        stop();
-        resolve();
-      });
-    });
+    await new Promise((resolve) => { arrive = resolve; });
     found.push(performance.now() - begin);
   }
   return found;
@@ -94,9 +90,8 @@ const turns = (page, count) => page.evaluate(async (number) => {
 const pace = (page) => page.evaluate(async () => {
   const { on } = await import(new URL('js/state.js', document.baseURI).href);
   const found = [];
-  const stop = on('frame', ({ factor }) => { found.push(factor); });
+  on('frame', ({ factor }) => { found.push(factor); });
   await new Promise((resolve) => { setTimeout(resolve, 3000); });
-  stop();
   return found;
 });
 
