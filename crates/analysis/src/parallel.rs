@@ -1,8 +1,8 @@
 //! Parallel work on rayon, with results in the order of the work items.
 //!
 //! [`with_threads`] provides the threads. [`map`] and its relatives use them at any depth of calls, and run on the
-//! calling thread if there are none. [`try_map`] ends at the first error. [`run_in_order`] is for long work whose results are written while it continues.
-//! No result depends on the number of threads.
+//! calling thread if there are none. [`try_map`] ends at the first error. [`run_in_order`] is for long work whose
+//! results are written while it continues. No result depends on the number of threads.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;

@@ -5,31 +5,14 @@
 
 use std::collections::BTreeMap;
 
-use patchcord_core::document::read_variant;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer};
+use patchcord_core::document::{self, RequestCommand};
+use serde::Deserialize;
 use serde_json::{Map, Value};
 
-/// Commands that are carried out in order, with a number that the response repeats.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Request {
-    /// The number of the request, chosen by the client.
-    pub id: u64,
-    /// The commands.
-    #[serde(deserialize_with = "commands")]
-    pub commands: Vec<Command>,
-}
+/// A request of a comparison.
+pub type Request = document::Request<Command>;
 
-/// Reads commands, each an object with the name under the key "command".
-///
-/// # Errors
-/// If a command is unknown, or a field is missing, unknown or of the wrong type.
-fn commands<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Command>, D::Error> {
-    let objects = Vec::<Map<String, Value>>::deserialize(deserializer)?;
-    let read = |object| read_variant(object, "command").map_err(D::Error::custom);
-    objects.into_iter().map(read).collect()
-}
+impl RequestCommand for Command {}
 
 /// A file that the client has read.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]

@@ -6,14 +6,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::document::parameter_in_si;
+use patchcord_core::document::{parameter_in_si, read_request};
 use patchcord_core::patch::{Patch, TableAccess};
 use patchcord_ident::report::reasons::no_run_sentence;
 use patchcord_ident::{Experiment, Library, Problem, fit_base};
 use serde_json::{Map, Value};
 
 use crate::columns::columns_event;
-use crate::command::{Command, NamedText, Request};
+use crate::command::{Command, NamedText};
 use crate::curves::curves;
 use crate::event::{Event, Response};
 use crate::experiment::{base_name, experiment_text, read_experiment};
@@ -84,10 +84,10 @@ impl Comparison {
         Comparison { options, patch, data, values: BTreeMap::new(), document, compared }
     }
 
-    /// Carries out a request, which is a [`Request`] as JSON. `report` takes partial responses while a search runs. The
+    /// Carries out a request, which is a [`Request`](crate::command::Request) as JSON. `report` takes partial responses while a search runs. The
     /// final [`Response`] is returned. Both are JSON.
     pub fn request(&mut self, text: &str, report: &mut (dyn FnMut(&str) + Send)) -> String {
-        let request = match read_request(text) {
+        let request = match read_request::<Command>(text, MAX_REQUEST_BYTES, MAX_COMMANDS) {
             Ok(request) => request,
             Err(message) => return response(None, vec![Event::Refused { message }], false),
         };
@@ -303,22 +303,6 @@ impl Compared {
         let (simulated, overload) = self.runs.simulate(&values)?;
         Ok(Event::Curves { outputs: curves(&self.experiment, &self.problem, &simulated), overload })
     }
-}
-
-/// Reads a request.
-///
-/// # Errors
-/// The message if it is not a request, or above the limits.
-fn read_request(text: &str) -> Result<Request, String> {
-    if text.len() > MAX_REQUEST_BYTES {
-        return Err(format!("the request has more than {} MB", MAX_REQUEST_BYTES / 1_000_000));
-    }
-    let request: Request =
-        serde_json::from_str(text).map_err(|error| format!("the request cannot be read: {error}"))?;
-    if request.commands.len() > MAX_COMMANDS {
-        return Err(format!("a request has at most {MAX_COMMANDS} commands, got {}", request.commands.len()));
-    }
-    Ok(request)
 }
 
 /// The text of a response.

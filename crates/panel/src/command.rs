@@ -3,9 +3,8 @@
 //! A client sends a [`Request`] as JSON. A command that is refused has no effect, and its event says why. Names of
 //! commands and fields are part of the protocol, which docs/panel-protocol.md documents.
 
-use patchcord_core::document::read_variant;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize};
+use patchcord_core::document::{self, RequestCommand};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::limits::MAX_NAME_CHARACTERS;
@@ -13,35 +12,16 @@ use crate::limits::MAX_NAME_CHARACTERS;
 /// The version of the protocol. A client and a session of different versions do not work together.
 pub const PROTOCOL_VERSION: u32 = 1;
 
-/// Commands that are carried out in order, with a number that the response repeats.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Request {
-    /// The number of the request, chosen by the client.
-    pub id: u64,
-    /// The commands.
-    #[serde(deserialize_with = "commands")]
-    pub commands: Vec<Command>,
-}
+/// A request of a panel.
+pub type Request = document::Request<Command>;
 
-/// Reads commands, each an object with the name under the key "command".
-///
-/// # Errors
-/// If a command is unknown, or a field is missing, unknown or of the wrong type.
-fn commands<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Command>, D::Error> {
-    let objects = Vec::<Map<String, Value>>::deserialize(deserializer)?;
-    objects.into_iter().map(command).collect::<Result<_, _>>().map_err(D::Error::custom)
-}
-
-/// Reads one command.
-///
-/// # Errors
-/// A message if it is not a command.
-fn command(object: Map<String, Value>) -> Result<Command, String> {
-    if object.iter().any(has_long_name) {
-        return Err(format!("a name in a command has more than {MAX_NAME_CHARACTERS} characters"));
+impl RequestCommand for Command {
+    fn check_fields(fields: &Map<String, Value>) -> Result<(), String> {
+        if fields.iter().any(has_long_name) {
+            return Err(format!("a name in a command has more than {MAX_NAME_CHARACTERS} characters"));
+        }
+        Ok(())
     }
-    read_variant(object, "command")
 }
 
 /// Whether a field is, or contains, a text that is too long for a name. Patches, snapshots and values of settings have
@@ -352,7 +332,7 @@ mod tests {
     /// Reads a loose cord with this end.
     fn with_end(end: &Value) -> Result<Command, String> {
         let object = json!({"command": "loose-cord", "end": end, "at": [1, 2.5]});
-        command(object.as_object().unwrap().clone())
+        document::read_variant(object.as_object().unwrap().clone(), "command")
     }
 
     #[test]

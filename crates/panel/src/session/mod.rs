@@ -16,7 +16,7 @@ mod saved;
 
 use std::path::PathBuf;
 
-use patchcord_core::document::Report;
+use patchcord_core::document::{Report, read_request};
 use patchcord_core::patch::TableAccess;
 
 use self::bench::{Bench, Probes};
@@ -24,6 +24,7 @@ use crate::command::Command;
 use crate::compiled::Compiled;
 use crate::document::{Document, Refusal};
 use crate::event::{Event, MachineState, NullMeter};
+use crate::limits::{MAX_COMMANDS, MAX_REQUEST_BYTES};
 use crate::scope::{SCOPES, Scope};
 
 /// The settings of a session that a host chooses.
@@ -129,7 +130,7 @@ impl Session {
     /// Carries out a request, which is a [`Request`](crate::command::Request) as JSON. `must_stop` is asked from time to
     /// time while the machine moves, and says whether the host has no more time.
     pub fn request(&mut self, text: &str, must_stop: &mut dyn FnMut() -> bool) -> Answer {
-        let request = match requests::read(text) {
+        let request = match read_request::<Command>(text, MAX_REQUEST_BYTES, MAX_COMMANDS) {
             Ok(request) => request,
             Err(message) => {
                 return requests::answer(None, vec![Event::Refused { message, place: None }], None);

@@ -1,28 +1,10 @@
-//! Reads requests and writes answers.
+//! Writes answers.
 
 use std::collections::HashSet;
 use std::mem::{Discriminant, discriminant};
 
 use super::Answer;
-use crate::command::Request;
 use crate::event::{Event, MachineState, Response};
-use crate::limits::{MAX_COMMANDS, MAX_REQUEST_BYTES};
-
-/// Reads a request.
-///
-/// # Errors
-/// The message if it is not a request, or above the limits.
-pub(super) fn read(text: &str) -> Result<Request, String> {
-    if text.len() > MAX_REQUEST_BYTES {
-        return Err(format!("the request has more than {} MB", MAX_REQUEST_BYTES / 1_000_000));
-    }
-    let request: Request =
-        serde_json::from_str(text).map_err(|error| format!("the request cannot be read: {error}"))?;
-    if request.commands.len() > MAX_COMMANDS {
-        return Err(format!("a request has at most {MAX_COMMANDS} commands, got {}", request.commands.len()));
-    }
-    Ok(request)
-}
 
 /// Removes those of the first `known` events that a later one of the same kind replaces, so that an answer has each
 /// large event once. Refusals and parameters do not replace each other.
