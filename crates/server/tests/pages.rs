@@ -5,6 +5,10 @@ use patchcord_panel::patches::{PATCHES, gallery};
 
 use crate::client::{options, start};
 
+/// Every address that has an answer; one page and one patch stand for all of them.
+const ADDRESSES: [&str; 7] =
+    ["/", "/host.json", "/gallery.json", "/patches/lessons/lorenz.json", "/patch", "/session", "/compare"];
+
 #[test]
 fn requests_that_name_another_server_are_refused() {
     let server = start(options());
@@ -14,7 +18,7 @@ fn requests_that_name_another_server_are_refused() {
     let wrong =
         wrong.chain(["Host: localhost".to_owned(), "Host: localhost:1".to_owned(), "A: b".to_owned()]);
     for host in wrong {
-        for path in ["/", "/host.json", "/patch", "/session", "/compare"] {
+        for path in ADDRESSES {
             let response = server.send(&[&format!("GET {path} HTTP/1.1"), &host]);
             // The library itself refuses a request without the header.
             assert!([400, 403].contains(&response.status), "{host} {path}: {}", response.status);
@@ -94,15 +98,7 @@ fn only_pages_are_served() {
         assert!([400, 404].contains(&response.status), "{path}: {}", response.status);
     }
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
-        for path in [
-            "/",
-            "/host.json",
-            "/gallery.json",
-            "/patches/lessons/lorenz.json",
-            "/patch",
-            "/session",
-            "/compare",
-        ] {
+        for path in ADDRESSES {
             let host = format!("Host: {}", server.address);
             let response = server.send(&[&format!("{method} {path} HTTP/1.1"), &host, "Content-Length: 0"]);
             assert_eq!(response.status, 405, "{method} {path}");
@@ -119,16 +115,7 @@ fn every_response_has_the_policy() {
          form-action 'none'; frame-ancestors 'none'\r\n",
         server.address
     );
-    for path in [
-        "/",
-        "/host.json",
-        "/gallery.json",
-        "/patches/lessons/lorenz.json",
-        "/patch",
-        "/session",
-        "/compare",
-        "/no-such-page",
-    ] {
+    for path in ADDRESSES.into_iter().chain(["/no-such-page"]) {
         let headers = server.get(path).headers;
         assert!(headers.contains(&policy), "{path}: {headers}");
         for header in [
