@@ -2,6 +2,5 @@
 
 mod limits;
 mod pictures;
-mod protocol;
 mod random_commands;
 mod session;
