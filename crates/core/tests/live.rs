@@ -37,10 +37,8 @@ fn samples_in_pieces(program: &Program, settings: &RunSettings, is_watched: bool
         tracks[0].extend(&samples.time);
         tracks[1..].iter_mut().zip(&samples.tracks).for_each(|(all, track)| all.extend(&track.volts));
         live.points().clear();
-        match state {
-            LiveState::Finished => return tracks,
-            LiveState::BetweenPhases | LiveState::Held(_) => {}
-            LiveState::Operating => {}
+        if state == LiveState::Finished {
+            return tracks;
         }
         pieces += 1;
         clock = live.clock() + settings.duration() * (0.002 + 0.01 * f64::from(pieces % 7));
