@@ -28,8 +28,6 @@ pub const SCOPES: usize = 2;
 pub const CHANNELS: usize = 2;
 /// Divisions of the screen from left to right.
 pub const DIVISIONS_ACROSS: f64 = 10.0;
-/// Divisions of the screen from top to bottom.
-pub const DIVISIONS_UP: f64 = 8.0;
 /// Columns of the screen from left to right.
 pub const COLUMNS: usize = 1000;
 
@@ -241,9 +239,10 @@ impl Scope {
     }
 
     /// The machine is at its initial condition, and time begins at 0. `sweep` is the length of a sweep in problem
-    /// seconds. The traces of the run before remain until time moves.
+    /// seconds; if it is too short for buckets, or infinite, that of the run before stays. The traces of the run before
+    /// remain until time moves.
     pub fn begin_run(&mut self, sweep: f64) {
-        if sweep.is_finite() && sweep > 0.0 {
+        if sweep > 0.0 && (sweep / BUCKETS as f64).is_normal() {
             self.sweep = sweep;
         }
         self.is_at_start = true;

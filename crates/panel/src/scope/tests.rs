@@ -366,6 +366,19 @@ fn a_curve_needs_both_channels() {
     assert_eq!((picture.first, picture.points.len()), (0, 0));
 }
 
+/// Buckets of a length of 0 would be doubled without end.
+#[test]
+fn a_sweep_that_is_too_short_for_buckets_is_not_used() {
+    for sweep in [0.0, -1.0, 5e-324, 1e-320, f64::INFINITY, f64::NAN] {
+        let mut scope = scope(|_| {});
+        scope.begin_run(2.0);
+        scope.begin_run(sweep);
+        run(&mut scope, 0.0, 1.0, 10, |time| 30.0 * time);
+        let picture = time_picture(&mut scope);
+        assert_eq!((picture.column_seconds, picture.reached), (0.002, 501), "{sweep}");
+    }
+}
+
 proptest! {
     #[test]
     fn neighbouring_columns_overlap(steps in prop::collection::vec((0.0..0.02f64, -100.0..100.0f64), 1..40)) {
