@@ -2,7 +2,7 @@
 //!
 //! They are far above what the page and the shipped patches need. Whatever exceeds them is refused with a message.
 
-use patchcord_core::document::format_number;
+use patchcord_core::document::{format_number, format_outside};
 use patchcord_core::patch::{Amount, Patch};
 use patchcord_core::solve::RunSettings;
 
@@ -39,6 +39,18 @@ const MAX_RUN_WORK: f64 = 4e8;
 pub const MAX_DELAY_BYTES: usize = 50_000_000;
 /// Size of all checkpoints of a run in bytes, above which some of them are dropped.
 pub const MAX_CHECKPOINT_BYTES: usize = 32_000_000;
+
+/// Checks that a number that a client gives is in a range. `what` is the subject of the message.
+///
+/// # Errors
+/// The message if it is not.
+pub(crate) fn check_range(what: &str, number: f64, [least, most]: [f64; 2]) -> Result<(), String> {
+    if (least..=most).contains(&number) {
+        return Ok(());
+    }
+    let number = format_outside(number, (least, most));
+    Err(format!("{what} must be from {} to {}, not {number}", format_number(least), format_number(most)))
+}
 
 /// Checks the size of the text of a patch.
 ///

@@ -185,6 +185,26 @@ fn a_run_that_is_too_long_is_refused() {
 }
 
 #[test]
+fn numbers_out_of_range_are_refused_with_the_range() {
+    let mut session = opened(&decay("\"for\": 1, \"step\": 0.001"));
+    let cases = [
+        (json!({"command": "speed", "factor": -1}), "the speed factor must be from 1e-6 to 1000000, not -1"),
+        (json!({"command": "rate", "hertz": 50.0000001}), "the rate must be from 0.01 to 50, not 50.0000001"),
+        (
+            json!({"command": "advance", "seconds": 1e300}),
+            "the time to advance must be from 0 to 1, not 1e300",
+        ),
+        (
+            json!({"command": "sweep", "seconds": 1e-4}),
+            "a sweep of 0.0001 s is shorter than the step of 0.001 s",
+        ),
+    ];
+    for (command, message) in cases {
+        assert_eq!(refusal(&mut session, command), message);
+    }
+}
+
+#[test]
 fn a_snapshot_with_values_that_are_not_permitted_changes_nothing() {
     let mut session = opened(&decay("\"for\": 1, \"step\": 0.001"));
     let snapshot = event(&send(&mut session, json!({"command": "snapshot"})), "snapshot")["snapshot"].clone();
@@ -277,6 +297,10 @@ fn going_back_too_far_is_refused_and_the_machine_can_still_go_back() {
     }
     let message = refusal(&mut session, json!({"command": "scrub", "time": 0.1}));
     assert!(message.contains("can be moved back"), "{message}");
+    for (time, text) in [(-1.0, "-1"), (1e300, "1e300")] {
+        let message = refusal(&mut session, json!({"command": "scrub", "time": time}));
+        assert!(message.ends_with(&format!(" s of its run, not to {text} s")), "{message}");
+    }
     send(&mut session, json!({"command": "scrub", "time": 1.2}));
     let time = advance(&mut session, 0.0).header.time;
     assert!((time - 1.2).abs() < 2e-3, "{time}");

@@ -242,6 +242,7 @@ impl Scope {
     /// seconds; if it is too short for buckets, or infinite, that of the run before stays. The traces of the run before
     /// remain until time moves.
     pub fn begin_run(&mut self, sweep: f64) {
+        // Buckets of a length of 0 would be doubled without end.
         if sweep > 0.0 && (sweep / BUCKETS as f64).is_normal() {
             self.sweep = sweep;
         }

@@ -366,7 +366,6 @@ fn a_curve_needs_both_channels() {
     assert_eq!((picture.first, picture.points.len()), (0, 0));
 }
 
-/// Buckets of a length of 0 would be doubled without end.
 #[test]
 fn a_sweep_that_is_too_short_for_buckets_is_not_used() {
     for sweep in [0.0, -1.0, 5e-324, 1e-320, f64::INFINITY, f64::NAN] {

@@ -111,9 +111,8 @@ fn set_sweep(session: &mut Session, seconds: Option<f64>, list: &mut Vec<Event>)
 /// Moves the machine back to an earlier time.
 ///
 /// # Errors
-/// If the time is not within its run.
+/// If the time is not within its run, or the patch has faults.
 fn scrub(session: &mut Session, time: f64, must_stop: &mut dyn FnMut() -> bool) -> Result<(), Refusal> {
-    within("the time", Some(time), 0.0, f64::MAX)?;
     let parameters = session.document.patch().parameters.iter();
     let parameters = parameters.map(|(name, parameter)| (name.clone(), parameter.value)).collect();
     session.bench.scrub(time, parameters, &mut session.scopes, must_stop).map_err(Refusal::new)
@@ -129,7 +128,7 @@ fn advance(
     must_stop: &mut dyn FnMut() -> bool,
     list: &mut Vec<Event>,
 ) -> Result<(), Refusal> {
-    within("the time to advance", Some(seconds), 0.0, 1.0)?;
+    within("the time to advance", Some(seconds), [0.0, 1.0])?;
     current_patch::finish_turning(session, list);
     session.bench.advance(seconds, &mut session.scopes, must_stop);
     Ok(())

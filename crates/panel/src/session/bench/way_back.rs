@@ -1,5 +1,6 @@
 //! The way back to an earlier time of a run.
 
+use patchcord_core::document::format_number;
 use patchcord_core::solve::{LiveState, Phase, RunError};
 
 use super::phases::pass_point;
@@ -35,7 +36,7 @@ impl Bench {
         let clock = self.clock();
         let goal = self.with_live(|live| Ok(if time <= clock { live.return_before(time) } else { None }));
         let Some(goal) = goal.flatten() else {
-            let oldest = self.oldest();
+            let [oldest, clock, time] = [self.oldest(), clock, time].map(format_number);
             return Err(format!(
                 "the machine can be moved back to {oldest} ... {clock} s of its run, not to {time} s"
             ));
