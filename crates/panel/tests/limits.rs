@@ -286,6 +286,46 @@ fn a_parameter_that_corrects_the_patch_starts_the_machine() {
 }
 
 #[test]
+fn a_run_that_cannot_begin_has_its_reason_in_every_mode() {
+    // A run has at most 1e10 steps.
+    let mut session = opened(&decay("\"for\": 1e9, \"step\": 0.001"));
+    for name in ["initial-condition", "operate", "single"] {
+        mode(&mut session, name);
+        let events = send(&mut session, json!({"command": "hello"}));
+        let stopped = event(&events, "machine")["stopped"].as_str().unwrap().to_owned();
+        assert!(stopped.contains("1e12 steps"), "{name}: {stopped}");
+        assert!(!advance(&mut session, 0.1).header.moves, "{name}");
+    }
+    send(&mut session, json!({"command": "sweep", "seconds": 0.5}));
+    mode(&mut session, "operate");
+    let header = advance(&mut session, 0.1).header;
+    assert!(header.moves && !header.stopped && header.time > 0.0, "{header:?}");
+}
+
+#[test]
+fn a_machine_that_cannot_continue_begins_again_in_initial_condition() {
+    let text = r#"{"patchcord": 1, "machine": "unlimited", "elements": {
+        "D": {"kind": "integrator", "in": {"x1": ["+100"]}, "initial": 50},
+        "M": {"kind": "multiplier", "mode": "product", "a": "A5", "b": "+100"},
+        "A5": {"kind": "open-amplifier", "in": {"x0.1": ["+100"], "x1": ["M"]}}},
+        "record": ["A5"], "run": {"for": 1, "step": 0.01}}"#;
+    let mut session = opened(text);
+    mode(&mut session, "operate");
+    // D falls by 100 V/s to -20 V. A loop that divides by it then has several solutions.
+    advance(&mut session, 0.7);
+    let to = json!({"output": "D"});
+    let divide = json!({"command": "move-cord", "element": "M", "jack": "b", "from": "+100", "to": to});
+    let events = send(&mut session, divide);
+    let stopped = event(&events, "machine")["stopped"].as_str().unwrap().to_owned();
+    assert!(stopped.contains("3 solutions"), "{stopped}");
+    assert!(!advance(&mut session, 0.1).header.moves);
+    mode(&mut session, "initial-condition");
+    mode(&mut session, "operate");
+    let header = advance(&mut session, 0.1).header;
+    assert!(header.moves && !header.stopped && (header.time - 0.1).abs() < 0.011, "{header:?}");
+}
+
+#[test]
 fn going_back_too_far_is_refused_and_the_machine_can_still_go_back() {
     let mut session = opened(&decay("\"for\": 4, \"step\": 0.001"));
     mode(&mut session, "operate");

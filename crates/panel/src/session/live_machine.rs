@@ -44,6 +44,15 @@ pub(super) fn live_machine(program: &Arc<Program>, settings: &RunSettings) -> Re
     })
 }
 
+/// Lets a machine in initial condition continue the run of another one.
+///
+/// # Errors
+/// If the voltages cannot be evaluated with the states of the other one. The machine stays in initial condition then.
+pub(super) fn continue_run(machine: &mut LiveMachine, mut other: LiveMachine) -> Result<(), RunError> {
+    machine
+        .with_dependent_mut(|_, new| other.with_dependent_mut(|_, old| new.run.continue_from(&mut old.run)))
+}
+
 impl Live<'_> {
     /// Forgets all checkpoints, because the machine was put into initial condition.
     pub(super) fn forget_checkpoints(&mut self) {

@@ -3,8 +3,8 @@
 //! The clock advances only by [`Bench::advance`]. The machine follows it by the speed factor, as far as the host gives
 //! time to compute. Whatever it cannot compute in time is dropped, and the frame says by what factor it is slower.
 //!
-//! `phases` plays the phases of a mode, `way_back` moves the machine to an earlier time, and `settings` makes the machine
-//! of a patch.
+//! `phases` plays the phases of a mode, `way_back` moves the machine to an earlier time, and `settings` has the times of a
+//! run.
 
 mod phases;
 mod settings;
@@ -12,9 +12,9 @@ mod way_back;
 
 use patchcord_core::solve::{Machine, Phase, RunError};
 
-use self::settings::{continued, run_settings};
+use self::settings::run_settings;
 use self::way_back::WayBack;
-use super::live_machine::{Live, LiveMachine};
+use super::live_machine::{Live, LiveMachine, continue_run, live_machine};
 use crate::command::Mode;
 use crate::compiled::Compiled;
 use crate::limits::MAX_DELAY_BYTES;
@@ -70,7 +70,8 @@ pub(super) struct Bench {
     plan: Option<Vec<Phase>>,
     /// Length of the longest repetition in the plan, in problem seconds.
     plan_length: Option<f64>,
-    /// Whether the present patch does not compile. The machine keeps its state and waits.
+    /// Whether there is no machine for the present patch: it does not compile, or its run cannot begin. The machine of
+    /// the patch before, if there is one, keeps its state and waits.
     pub is_blocked: bool,
     /// Why the machine stopped.
     pub stopped: Option<String>,
@@ -111,14 +112,14 @@ impl Bench {
         }
     }
 
-    /// Whether the machine can move: there is one, its patch is the present one, and it did not stop.
+    /// Whether the machine can move: its patch is the present one, and it did not stop.
     pub(super) fn is_ready(&self) -> bool {
-        self.machine.is_some() && !self.is_blocked && self.stopped.is_none()
+        !self.is_blocked && self.stopped.is_none()
     }
 
     /// Takes another patch. With `None`, which stands for a patch that does not compile, the machine waits. Otherwise it
     /// continues with the states of the present one, unless `resets`, or if there is none that runs. With both, there is
-    /// no machine until the patch compiles.
+    /// no machine until the patch compiles. A machine that cannot continue stops in initial condition.
     pub(super) fn set_patch(
         &mut self,
         compiled: Option<&Compiled>,
@@ -136,16 +137,16 @@ impl Bench {
             return;
         };
         self.end_way_back(scopes);
-        self.is_blocked = false;
         self.plan = circuit.run_plan().all_phases();
         self.plan_length = circuit.run_plan().longest_repetition();
         let old = self.machine.take().filter(|_| !resets && self.stopped.is_none());
         let resets = resets || old.is_none();
-        self.stopped = None;
-        match continued(program, &run_settings(circuit, self.controls.sweep), old) {
-            Ok(machine) => self.machine = Some(machine),
-            Err(error) => self.stopped = Some(error.to_string()),
-        }
+        let outcome = live_machine(program, &run_settings(circuit, self.controls.sweep)).and_then(|new| {
+            let machine = self.machine.insert(new);
+            old.map_or(Ok(()), |old| continue_run(machine, old))
+        });
+        self.stopped = outcome.err().map(|error| error.to_string());
+        self.is_blocked = self.machine.is_none();
         self.watch(probes, scopes);
         if resets {
             self.begin_mode(scopes);
@@ -162,7 +163,8 @@ impl Bench {
         self.end_way_back(scopes);
         let before = self.controls.mode;
         self.controls.mode = mode;
-        if self.stopped.is_some() && !matches!(mode, Mode::Hold | Mode::Operate) {
+        // Without a machine, no mode removes the reason.
+        if self.machine.is_some() && !matches!(mode, Mode::Hold | Mode::Operate) {
             self.stopped = None;
         }
         let continues = matches!(before, Mode::Operate | Mode::Hold | Mode::Repetitive | Mode::Single);
