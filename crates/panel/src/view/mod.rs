@@ -11,7 +11,6 @@ use std::collections::HashMap;
 
 use patchcord_core::circuit::{Circuit, part_count};
 use patchcord_core::elements::{Family, Kind, OutputStage, REGISTRY};
-use patchcord_core::ir::Program;
 use patchcord_core::machines::{self, DEFAULT_MACHINE, MachineModel, Part};
 use patchcord_core::patch::{ElementEntry, Instance, Patch};
 use patchcord_draw::schematic::{SettingValue, settings_of_element};
@@ -64,9 +63,9 @@ fn machine_view(machine: &MachineModel) -> MachineView {
 
 /// The patch as the page shows it.
 ///
-/// `circuit` and `program` are those of the patch with the present values of its parameters and with open inputs
-/// grounded. They are `None` if it does not compile. Without a circuit, formulas have no values.
-pub fn patch_view(document: &Document, circuit: Option<&Circuit>, program: Option<&Program>) -> PatchView {
+/// `circuit` is that of the patch with the present values of its parameters and with open inputs grounded; `None` if it
+/// does not compile. Without a circuit, formulas have no values.
+pub fn patch_view(document: &Document, circuit: Option<&Circuit>) -> PatchView {
     let patch = document.patch();
     let machine = patch.machine.as_ref().map_or(DEFAULT_MACHINE.name, |machine| &machine.value);
     let loose = document.loose().iter();
@@ -89,7 +88,7 @@ pub fn patch_view(document: &Document, circuit: Option<&Circuit>, program: Optio
         parts: parts(patch),
         undo: document.undo_label().map(str::to_owned),
         redo: document.redo_label().map(str::to_owned),
-        runs: program.is_some(),
+        runs: circuit.is_some(),
     }
 }
 

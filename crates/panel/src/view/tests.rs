@@ -1,3 +1,4 @@
+use patchcord_core::ir::Program;
 use patchcord_core::patch::TableAccess;
 
 use super::*;
@@ -15,8 +16,7 @@ fn opened(name: &str) -> (Document, Circuit) {
 /// The view of a shipped patch.
 fn view(name: &str) -> PatchView {
     let (document, circuit) = opened(name);
-    let program = Program::new(&circuit).unwrap();
-    patch_view(&document, Some(&circuit), Some(&program))
+    patch_view(&document, Some(&circuit))
 }
 
 /// An element of a view.
@@ -135,7 +135,7 @@ fn an_unlimited_machine_shows_the_gains_in_use_and_the_usual_ones() {
         "A1": {"kind": "integrator", "in": {"x2.5": ["A1", "A1"]}},
         "P1": {"kind": "pot", "in": {"x1": ["A1"]}, "setting": 0.5}}}"#;
     let document = Document::open("p.json", text, &TableAccess::None).unwrap();
-    let view = patch_view(&document, None, None);
+    let view = patch_view(&document, None);
     let names = jack_names(element(&view, "A1"));
     assert_eq!(names, ["x1", "x2.5", "x10", "brake_x1", "brake_x10", "gap", "reset"]);
     assert_eq!(jack(&view, "A1", "x2.5").cords, ["A1", "A1"]);
@@ -176,7 +176,7 @@ fn a_parameter_behind_a_scale_is_found() {
         "scales": {"half": {"per_volt": "force / 2", "unit": "N"}, "force": {"per_volt": "F / 5", "unit": "N"}},
         "elements": {"A1": {"kind": "integrator", "in": {"x1": ["A1"]}, "initial": "3 / half"}}}"#;
     let document = Document::open("p.json", text, &TableAccess::None).unwrap();
-    let view = patch_view(&document, None, None);
+    let view = patch_view(&document, None);
     assert_eq!(setting(&view, "A1", "initial").parameters, ["F"]);
 }
 
@@ -212,7 +212,7 @@ fn loose_cords_and_labels_of_steps_are_shown() {
     let end = CordEnd::Output { output: "B1".to_owned() };
     let command = Command::LooseCord { end: end.clone(), at: [3.0, 4.0], replaces: None };
     document.apply(&command).unwrap();
-    let view = patch_view(&document, Some(&circuit), None);
+    let view = patch_view(&document, Some(&circuit));
     assert_eq!(view.loose, [LooseView { id: 1, end, at: [3.0, 4.0] }]);
     assert_eq!((view.revision, view.undo.as_deref()), (2, Some("drop an end of a cord")));
 }
