@@ -9,6 +9,8 @@ use patchcord_panel::limits::{
 use patchcord_panel::{Session, SessionOptions};
 use serde_json::{Value, json};
 
+use crate::client::event;
+
 /// A session that has opened a patch.
 fn opened(text: &str) -> Session {
     let mut session = Session::new(SessionOptions::default());
@@ -37,12 +39,6 @@ fn advance(session: &mut Session, seconds: f64) -> Frame {
 /// Selects a mode.
 fn mode(session: &mut Session, mode: &str) {
     send(session, json!({"command": "mode", "mode": mode}));
-}
-
-/// The last event of a name.
-fn event<'e>(events: &'e [Value], name: &str) -> &'e Value {
-    let found = events.iter().rfind(|event| event["event"] == name);
-    found.unwrap_or_else(|| panic!("no event {name} in {events:?}"))
 }
 
 /// The message with which a command is refused.

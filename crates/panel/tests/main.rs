@@ -1,5 +1,6 @@
 //! Integration tests of the panel's session.
 
+mod client;
 mod limits;
 mod pictures;
 mod random_commands;

@@ -1,82 +1,14 @@
 //! Sessions: what a client sees after its commands.
 
-use std::fs;
-use std::path::Path;
-
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{LiveRun, RunSettings};
-use patchcord_panel::frame::{Frame, decode};
+use patchcord_panel::frame::decode;
 use patchcord_panel::{Session, SessionOptions};
 use serde_json::{Value, json};
 
-/// The text of a shipped patch.
-fn text(file: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../patches").join(file)).unwrap()
-}
-
-/// A client of a session.
-struct Client(Session);
-
-impl Client {
-    /// A client that has opened a shipped patch.
-    fn with(file: &str) -> Client {
-        let mut client = Client(Session::new(SessionOptions::default()));
-        client.send(json!({"command": "open", "name": file, "text": text(file)}));
-        client
-    }
-
-    /// Sends a command, and returns the events.
-    fn send(&mut self, command: Value) -> Vec<Value> {
-        self.request(command).0
-    }
-
-    /// Sends a command, and returns the events and the frame.
-    fn request(&mut self, command: Value) -> (Vec<Value>, Option<Frame>) {
-        let request = json!({"id": 1, "commands": [command]}).to_string();
-        let answer = self.0.request(&request, &mut || false);
-        let response: Value = serde_json::from_str(&answer.text).unwrap();
-        assert_eq!(response["frame"], answer.frame.is_some());
-        let events = response["events"].as_array().unwrap().clone();
-        (events, answer.frame.map(|bytes| decode(&bytes).unwrap()))
-    }
-
-    /// Advances the clock, and returns the frame.
-    fn advance(&mut self, seconds: f64) -> Frame {
-        self.request(json!({"command": "advance", "seconds": seconds})).1.unwrap()
-    }
-
-    /// Selects a mode.
-    fn mode(&mut self, mode: &str) -> Vec<Value> {
-        self.send(json!({"command": "mode", "mode": mode}))
-    }
-
-    /// The event `patch` after a question.
-    fn patch(&mut self) -> Value {
-        let events = self.send(json!({"command": "hello"}));
-        event(&events, "patch").clone()
-    }
-
-    /// The voltage of an output in a frame.
-    fn volts(&mut self, frame: &Frame, output: &str) -> f64 {
-        let patch = self.patch();
-        let outputs = patch["outputs"].as_array().unwrap();
-        let index = outputs.iter().position(|known| known["name"] == output).unwrap();
-        f64::from(frame.volts[index])
-    }
-}
-
-/// The last event of a name.
-fn event<'e>(events: &'e [Value], name: &str) -> &'e Value {
-    let found = events.iter().rfind(|event| event["event"] == name);
-    found.unwrap_or_else(|| panic!("no event {name} in {events:?}"))
-}
-
-/// The message of the refusal among the events.
-fn refusal(events: &[Value]) -> String {
-    event(events, "refused")["message"].as_str().unwrap().to_owned()
-}
+use crate::client::{Client, event, refusal, text};
 
 #[test]
 fn the_machine_follows_the_clock_and_has_the_voltages_of_a_run() {
@@ -308,6 +240,7 @@ fn another_sweep_keeps_the_turned_parameters() {
 #[test]
 fn a_patch_with_faults_does_not_show_the_machine_before_it() {
     let mut client = Client::with("lessons/mass-and-spring.json");
+    client.send(json!({"command": "views", "schematic": true, "equations": true}));
     client.mode("operate");
     client.advance(0.3);
     client.advance(0.2);
@@ -315,9 +248,17 @@ fn a_patch_with_faults_does_not_show_the_machine_before_it() {
         "elements": {"A1": {"kind": "integrator", "in": {"x1": ["A1", "A9"]}, "initial": 50}}, "record": ["A1"]}"#});
     let events = client.send(open);
     assert_eq!(event(&events, "patch")["runs"], false);
+    let [drawing, equations] =
+        [&event(&events, "schematic")["drawing"], &event(&events, "equations")["equations"]];
+    assert_eq!((drawing, equations), (&Value::Null, &json!([])));
+    for name in ["schematic", "equations"] {
+        let message = event(&events, name)["message"].as_str().unwrap();
+        assert!(message.ends_with("again when the patch has no faults"), "{message}");
+    }
     let frame = client.advance(0.1);
     assert!(frame.header.time == 0.0 && client.volts(&frame, "A1").is_nan());
-    client.send(json!({"command": "unplug", "element": "A1", "jack": "x1", "from": "A9"}));
+    let events = client.send(json!({"command": "unplug", "element": "A1", "jack": "x1", "from": "A9"}));
+    assert_eq!(event(&events, "equations")["message"], Value::Null);
     let frame = client.advance(0.1);
     assert_eq!((frame.header.time, client.volts(&frame, "A1")), (0.0, 50.0));
 }

@@ -201,7 +201,7 @@ fn show(session: &mut Session, shows: Shown, list: &mut Vec<Event>) {
         list.push(events::schematic(session));
     }
     if shows.equations && !before.equations {
-        list.extend(events::equations(session));
+        list.push(events::equations(session));
     }
 }
 

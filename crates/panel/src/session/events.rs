@@ -6,7 +6,7 @@ use patchcord_draw::schematic::Schematic;
 use super::Session;
 use crate::compiled::compile;
 use crate::document::Refusal;
-use crate::event::Event;
+use crate::event::{EquationsView, Event};
 use crate::limits::{self, MAX_TABLE_BYTES};
 use crate::places;
 use crate::view;
@@ -34,7 +34,7 @@ pub(super) fn patch_and_views(session: &Session) -> Vec<Event> {
         events.push(schematic(session));
     }
     if session.shows.equations {
-        events.extend(equations(session));
+        events.push(equations(session));
     }
     events
 }
@@ -58,10 +58,14 @@ pub(super) fn schematic(session: &Session) -> Event {
     }
 }
 
-/// The event with the equations. `None` if the patch does not compile.
-pub(super) fn equations(session: &Session) -> Option<Event> {
-    let compiled = session.compiled.as_ref()?;
-    Some(Event::Equations(view::equations(&compiled.circuit, &compiled.program)))
+/// The event with the equations.
+pub(super) fn equations(session: &Session) -> Event {
+    let compiled = session.compiled.as_ref();
+    let view = compiled.map(|compiled| view::equations(&compiled.circuit, &compiled.program));
+    Event::Equations(view.unwrap_or_else(|| EquationsView {
+        message: Some("the equations are listed again when the patch has no faults".to_owned()),
+        ..EquationsView::default()
+    }))
 }
 
 /// The event with the controls of the scopes.
