@@ -91,7 +91,7 @@
 //!   fit.
 //!
 //! A program without files, such as a web page, lists the columns of a data file with [`data_columns()`] and reads the
-//! experiment with [`Experiment::parse_given`]. A search can be cancelled: [`SearchSettings::with_cancel`].
+//! experiment with [`Experiment::parse_given`]. A fit or a search can be cancelled: [`Problem::with_cancel`].
 //!
 //! # Modules
 //!
