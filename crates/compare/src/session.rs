@@ -178,7 +178,8 @@ impl Comparison {
     /// Compares the patch with the data according to an experiment.
     ///
     /// # Errors
-    /// The message if the experiment has faults, or if the patch cannot be run. An earlier comparison continues then.
+    /// The message if the experiment has faults, or if the patch cannot be run. An earlier comparison continues then. If only
+    /// a run stops, the experiment is accepted nevertheless, because other values can correct the run.
     fn compare(&mut self, document: Map<String, Value>, events: &mut Vec<Event>) -> Result<(), String> {
         let (patch, data) = self.files()?;
         let text = experiment_text(&document, patch, data)?;
@@ -195,7 +196,8 @@ impl Comparison {
     /// Sets parameters and simulates.
     ///
     /// # Errors
-    /// The message if a parameter is unknown or out of range, which changes nothing, or if the run fails.
+    /// The message if a parameter is unknown or out of range, which changes nothing, or if the run stops. The values stay
+    /// in this case, because the knobs of the client have them.
     fn simulate(&mut self, parameters: BTreeMap<String, f64>) -> Result<Event, String> {
         let compared = self.compared()?;
         for (name, value) in &parameters {
