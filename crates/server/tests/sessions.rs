@@ -112,6 +112,15 @@ fn a_session_beyond_the_limit_is_refused_with_a_reason() {
 }
 
 #[test]
+fn a_hundred_pages_do_no_harm() {
+    let server = start(options());
+    let mut sockets: Vec<_> = (0..100).map(|_| server.open()).collect();
+    let answered = sockets.iter_mut().filter_map(|socket| ask(socket, NOTHING).ok()).count();
+    assert_eq!(answered, Limits::default().sessions);
+    assert_eq!(server.get("/host.json").status, 200);
+}
+
+#[test]
 fn a_message_that_is_too_large_ends_the_session() {
     let server = start_with(Limits { message: 1000, ..Limits::default() });
     let mut socket = server.open();
