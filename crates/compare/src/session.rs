@@ -34,8 +34,8 @@ pub struct ComparisonOptions {
     pub folder: Option<PathBuf>,
     /// Number of threads of a search; that of the cores if absent.
     pub threads: Option<usize>,
-    /// If it is true, a fit or a search ends soon, and the next one does not begin. The host sets it when its client closes
-    /// the connection.
+    /// If it is true, a fit or a search ends soon, and the next one does not begin. The host sets it when its client
+    /// closes the connection.
     pub cancel: Arc<AtomicBool>,
 }
 
@@ -178,8 +178,8 @@ impl Comparison {
     /// Compares the patch with the data according to an experiment.
     ///
     /// # Errors
-    /// The message if the experiment has faults, or if the patch cannot be run. An earlier comparison continues then. If only
-    /// a run stops, the experiment is accepted nevertheless, because other values can correct the run.
+    /// The message if the experiment has faults, or if the patch cannot be run. An earlier comparison continues then. If
+    /// only a run stops, the experiment is accepted, because other values can correct the run.
     fn compare(&mut self, document: Map<String, Value>, events: &mut Vec<Event>) -> Result<(), String> {
         let (patch, data) = self.files()?;
         let text = experiment_text(&document, patch, data)?;
@@ -210,7 +210,8 @@ impl Comparison {
     /// Fits the parameters of the experiment from their present values.
     ///
     /// # Errors
-    /// The message if there is nothing to fit, if the patch cannot be run, or if the fit is cancelled. The values stay then.
+    /// The message if there is nothing to fit, if the patch cannot be run, or if the fit is cancelled. The values stay
+    /// then.
     fn fit(&mut self, events: &mut Vec<Event>) -> Result<(), String> {
         let (experiment, problem) = self.at_present_values()?;
         if experiment.fit.is_empty() {
