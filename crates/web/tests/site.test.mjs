@@ -1,6 +1,6 @@
 // Tests of the folder that crates/web/build-site writes:
 //
-//     node --test crates/web/tests/
+//     node --test crates/web/tests/*.mjs
 //
 // With the path of the command in PATCHCORD, the samples of every shipped patch are compared with those of the command.
 
