@@ -129,7 +129,7 @@ fn advance(
     list: &mut Vec<Event>,
 ) -> Result<(), Refusal> {
     within("the time to advance", Some(seconds), [0.0, 1.0])?;
-    current_patch::finish_turning(session, list);
+    current_patch::finish_turning(session, seconds, list);
     session.bench.advance(seconds, &mut session.scopes, must_stop);
     Ok(())
 }

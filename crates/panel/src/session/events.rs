@@ -99,9 +99,9 @@ pub(super) fn table(session: &Session) -> Result<Event, Refusal> {
     // The command makes these checks. They evaluate further instants, and the last digits of a loop's solution
     // depend on the solution before it.
     (settings.checks_steps, settings.finds_amplifier_peaks) = (true, true);
-    limits::check_run(&settings, compiled.circuit.elements().len()).map_err(Refusal::new)?;
-    let trace =
-        run(&compiled.program, &settings).map_err(|stopped| Refusal::new(stopped.error.to_string()))?;
+    limits::limit_run(&mut settings, compiled.circuit.elements().len()).map_err(Refusal::new)?;
+    let trace = run(&compiled.program, &settings)
+        .map_err(|stopped| Refusal::new(limits::run_message(&stopped.error)))?;
     let mut csv = Vec::new();
     trace.write_csv(&mut csv).map_err(|error| Refusal::new(error.to_string()))?;
     if csv.len() > MAX_TABLE_BYTES {

@@ -68,8 +68,8 @@ pub struct Session {
     compiled: Option<Compiled>,
     /// The outputs, in the order of the voltages of a frame.
     probes: Probes,
-    /// What happened to parameters since the patch was compiled.
-    turning: Turning,
+    /// Seconds since a parameter was set last; `None` if the patch was compiled since then.
+    turned: Option<f64>,
     /// The machine.
     bench: Bench,
     /// The scopes.
@@ -82,17 +82,6 @@ pub struct Session {
     shows: Shown,
     /// The state of the machine that the client knows; `None` if the next answer has to contain it.
     known: Option<MachineState>,
-}
-
-/// What happened to the parameters since the patch was compiled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Turning {
-    /// Nothing.
-    No,
-    /// A parameter was set since the clock advanced last.
-    Now,
-    /// A parameter was set, but not since then. The patch has to be compiled again.
-    Done,
 }
 
 /// The views that the page shows.
@@ -115,7 +104,7 @@ impl Session {
             report,
             compiled: None,
             probes: Probes::default(),
-            turning: Turning::No,
+            turned: None,
             bench: Bench::new(),
             scopes: (0..SCOPES).map(|_| Scope::new()).collect(),
             meter: None,
