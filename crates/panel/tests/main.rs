@@ -1,6 +1,7 @@
 //! Integration tests of the panel's session.
 
 mod client;
+mod files;
 mod limits;
 mod pictures;
 mod random_commands;
