@@ -135,7 +135,8 @@ fn links_are_resolved_and_pipes_are_refused_without_waiting() {
     symlink(all.path().join("secret.json"), start.join("link.json")).unwrap();
     symlink(all.path(), start.join("up")).unwrap();
     symlink("tasks/plain.json", start.join("inside.json")).unwrap();
-    for name in ["link.json", "up/secret.json"] {
+    symlink(start.join("own.json"), all.path().join("back.json")).unwrap();
+    for name in ["link.json", "up/secret.json", "up/back.json"] {
         assert!(refusal(&mut session, name).contains("is not below the folder of the panel"), "{name}");
     }
     assert_eq!(opened(&open(&mut session, "inside.json")).1, "{\"patchcord\": 1}\r\n");

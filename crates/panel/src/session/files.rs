@@ -29,17 +29,16 @@ pub(super) fn read(options: &SessionOptions, name: &str) -> Result<Document, Ref
         return Err(Refusal::new(format!("{name} is not opened: the name of a patch must end in {ENDING}")));
     }
     let access = table_access(options);
-    let path = access.permitted(name).ok_or_else(|| {
-        Refusal::new(format!("{name} is not below the folder of the panel: open it with \"Open\""))
-    })?;
+    let parent = Path::new(name).parent().and_then(Path::to_str).unwrap_or_default();
+    // A link elsewhere may lead back to a file in the folder. Its tables would be elsewhere, too.
+    let (Some(path), Some(parent)) = (access.permitted(name), access.permitted(parent)) else {
+        let message = format!("{name} is not below the folder of the panel: open it with \"Open\"");
+        return Err(Refusal::new(message));
+    };
     let text = read_text(&path).map_err(|error| unreadable(name, &error))?;
     let file = path.file_name().unwrap_or_default().display().to_string();
-    match path.parent() {
-        Some(parent) if parent != folder => {
-            Document::open(&file, &text_with_tables(parent, &file, &text)?, &access)
-        }
-        _ => Document::open(&file, &text, &access),
-    }
+    let text = if parent == *folder { text } else { text_with_tables(&parent, &file, &text)? };
+    Document::open(&file, &text, &access)
 }
 
 /// The text of a patch with the points of its tables, which are below a folder.
