@@ -8,6 +8,8 @@ use patchcord_panel::{Session, SessionOptions};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::client::{Client, event, refusal};
+
 /// A patch whose only drive is 50 V, from a table.
 fn with_points(points: &Value) -> String {
     json!({
@@ -19,7 +21,7 @@ fn with_points(points: &Value) -> String {
 }
 
 /// A folder with a secret patch, and in it the folder "start" with patches and tables.
-fn folders() -> (TempDir, Session) {
+fn folders() -> (TempDir, Client) {
     let all = tempfile::tempdir().unwrap();
     let start = all.path().join("start");
     fs::create_dir_all(start.join("tasks")).unwrap();
@@ -37,25 +39,14 @@ fn folders() -> (TempDir, Session) {
     ] {
         fs::write(all.path().join(name), text).unwrap();
     }
-    let session = Session::new(SessionOptions { folder: Some(start) });
-    (all, session)
-}
-
-/// Sends commands, and returns the events.
-fn send(session: &mut Session, commands: &Value) -> Vec<Value> {
-    let answer = session.request(&json!({"id": 1, "commands": commands}).to_string(), &mut || false);
-    serde_json::from_str::<Value>(&answer.text).unwrap()["events"].as_array().unwrap().clone()
+    (all, Client(Session::new(SessionOptions { folder: Some(start) })))
 }
 
 /// Opens a file and asks for the text of the patch. Returns the events.
-fn open(session: &mut Session, name: &str) -> Vec<Value> {
-    send(session, &json!([{"command": "open-file", "name": name}, {"command": "text"}]))
-}
-
-/// The event of a name.
-fn event<'e>(events: &'e [Value], name: &str) -> &'e Value {
-    let found = events.iter().find(|event| event["event"] == name);
-    found.unwrap_or_else(|| panic!("no event {name} in {events:?}"))
+fn open(client: &mut Client, name: &str) -> Vec<Value> {
+    let mut events = client.send(json!({"command": "open-file", "name": name}));
+    events.extend(client.send(json!({"command": "text"})));
+    events
 }
 
 /// The name and the text of the patch among the events, after a file was opened.
@@ -65,17 +56,17 @@ fn opened(events: &[Value]) -> (&str, &str) {
     (text["name"].as_str().unwrap(), text["text"].as_str().unwrap())
 }
 
-/// The message of the refusal of a file. The patch on the panel stays.
-fn refusal(session: &mut Session, name: &str) -> String {
-    let before = send(session, &json!([{"command": "text"}]));
-    let events = open(session, name);
+/// The message with which a file is refused. The patch on the panel stays.
+fn refused(client: &mut Client, name: &str) -> String {
+    let before = client.send(json!({"command": "text"}));
+    let events = open(client, name);
     assert_eq!(event(&events, "text"), event(&before, "text"), "{name}");
-    event(&events, "refused")["message"].as_str().unwrap().to_owned()
+    refusal(&events)
 }
 
 /// The voltage of the summer at the end of a run.
-fn final_volts(session: &mut Session) -> f64 {
-    let events = send(session, &json!([{"command": "run"}]));
+fn final_volts(client: &mut Client) -> f64 {
+    let events = client.send(json!({"command": "run"}));
     let csv = event(&events, "table")["csv"].as_str().unwrap();
     let lines = csv.lines().filter(|line| !line.starts_with('#'));
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
@@ -85,42 +76,42 @@ fn final_volts(session: &mut Session) -> f64 {
 
 #[test]
 fn a_patch_in_the_folder_is_opened_with_its_tables() {
-    let (all, mut session) = folders();
+    let (all, mut client) = folders();
     let text = fs::read_to_string(all.path().join("start/own.json")).unwrap();
     for name in ["own.json", "./own.json"] {
-        let events = open(&mut session, name);
+        let events = open(&mut client, name);
         assert_eq!(event(&events, "patch")["title"], "A table");
         // The reference to the table stays, so that the saved file is the same one.
         assert_eq!(opened(&events), ("own.json", text.as_str()));
-        assert_eq!(final_volts(&mut session), -50.0, "{name}");
+        assert_eq!(final_volts(&mut client), -50.0, "{name}");
     }
 }
 
 #[test]
 fn a_patch_in_a_folder_below_has_its_own_tables() {
-    let (_all, mut session) = folders();
-    let events = open(&mut session, "tasks/pump.json");
+    let (_all, mut client) = folders();
+    let events = open(&mut client, "tasks/pump.json");
     let (name, text) = opened(&events);
     assert_eq!((name, text), ("pump.json", with_points(&json!([[0.0, 20.0], [1.0, 20.0]])).as_str()));
-    assert_eq!(final_volts(&mut session), -20.0);
+    assert_eq!(final_volts(&mut client), -20.0);
     for name in ["tasks/../own.json", "../start/own.json"] {
-        assert_eq!(opened(&open(&mut session, name)).0, "own.json");
-        assert_eq!(final_volts(&mut session), -50.0, "{name}");
+        assert_eq!(opened(&open(&mut client, name)).0, "own.json");
+        assert_eq!(final_volts(&mut client), -50.0, "{name}");
     }
     // Without tables the text is that of the file.
-    assert_eq!(opened(&open(&mut session, "tasks/plain.json")), ("plain.json", "{\"patchcord\": 1}\r\n"));
-    let message = refusal(&mut session, "tasks/lost.json");
+    assert_eq!(opened(&open(&mut client, "tasks/plain.json")), ("plain.json", "{\"patchcord\": 1}\r\n"));
+    let message = refused(&mut client, "tasks/lost.json");
     assert!(message.contains("there is no file") && message.contains("v.csv"), "{message}");
 }
 
 #[test]
 fn files_outside_of_the_folder_are_refused_whether_they_exist_or_not() {
-    let (all, mut session) = folders();
+    let (all, mut client) = folders();
     let absolute = all.path().join("secret.json").display().to_string();
     for name in
         ["../secret.json", "tasks/../../secret.json", "../missing.json", "/etc/missing.json", &absolute]
     {
-        let message = refusal(&mut session, name);
+        let message = refused(&mut client, name);
         let expected = format!("{name} is not below the folder of the panel: open it with \"Open\"");
         assert_eq!(message, expected);
     }
@@ -130,23 +121,23 @@ fn files_outside_of_the_folder_are_refused_whether_they_exist_or_not() {
 #[test]
 fn links_are_resolved_and_pipes_are_refused_without_waiting() {
     use std::os::unix::fs::symlink;
-    let (all, mut session) = folders();
+    let (all, mut client) = folders();
     let start = all.path().join("start");
     symlink(all.path().join("secret.json"), start.join("link.json")).unwrap();
     symlink(all.path(), start.join("up")).unwrap();
     symlink("tasks/plain.json", start.join("inside.json")).unwrap();
     symlink(start.join("own.json"), all.path().join("back.json")).unwrap();
     for name in ["link.json", "up/secret.json", "up/back.json"] {
-        assert!(refusal(&mut session, name).contains("is not below the folder of the panel"), "{name}");
+        assert!(refused(&mut client, name).contains("is not below the folder of the panel"), "{name}");
     }
-    assert_eq!(opened(&open(&mut session, "inside.json")).1, "{\"patchcord\": 1}\r\n");
+    assert_eq!(opened(&open(&mut client, "inside.json")).1, "{\"patchcord\": 1}\r\n");
     assert!(std::process::Command::new("mkfifo").arg(start.join("pipe.json")).status().unwrap().success());
-    assert!(refusal(&mut session, "pipe.json").contains("it is a pipe, not a regular file"));
+    assert!(refused(&mut client, "pipe.json").contains("it is a pipe, not a regular file"));
 }
 
 #[test]
 fn what_is_no_patch_is_refused_with_the_reason() {
-    let (all, mut session) = folders();
+    let (all, mut client) = folders();
     let start = all.path().join("start");
     fs::create_dir(start.join("folder.json")).unwrap();
     fs::write(start.join("binary.json"), [0xff, 0xfe]).unwrap();
@@ -165,16 +156,16 @@ fn what_is_no_patch_is_refused_with_the_reason() {
         ("tasks/long.json", "the patch would have more than 1 MB"),
         ("nul\u{0}.json", "cannot read"),
     ] {
-        let message = refusal(&mut session, name);
+        let message = refused(&mut client, name);
         assert!(message.contains(expected), "{name}: {message}");
     }
 }
 
 #[test]
 fn a_session_without_a_folder_opens_no_file() {
-    let mut session = Session::new(SessionOptions::default());
+    let mut client = Client(Session::new(SessionOptions::default()));
     for name in ["Cargo.toml", "own.json", "/etc/own.json"] {
-        assert!(refusal(&mut session, name).contains("this panel reads no files"), "{name}");
+        assert!(refused(&mut client, name).contains("this panel reads no files"), "{name}");
     }
     assert!(Path::new("Cargo.toml").exists());
 }

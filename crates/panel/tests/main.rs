@@ -3,7 +3,6 @@
 mod client;
 mod faceplates;
 mod files;
-mod files;
 mod limits;
 mod pictures;
 mod random_commands;
