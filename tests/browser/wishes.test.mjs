@@ -159,9 +159,10 @@ test('wish 6: the gallery has every lesson, figure and example', async (t) => {
   const cards = await gallery(page).locator('a').evaluateAll((links) => links.map((link) => ({
     path: new URLSearchParams(link.search).get('patch'), words: link.textContent, isDrawn: link.querySelector('img').naturalWidth > 0,
   })));
-  for (const folder of ['lessons', 'thesis', 'others', 'problems']) {
-    for (const name of await readdir(join(ROOT, 'patches', folder))) {
-      if (!name.endsWith('.json')) continue;
+  const folders = ['lessons', 'thesis', 'others', 'problems', 'measured'].map((folder) => [folder, join('patches', folder)]);
+  for (const [folder, place] of [...folders, ['examples/05_missing_effect', 'examples/05_missing_effect']]) {
+    for (const name of await readdir(join(ROOT, place))) {
+      if (!/(?<!\.experiment)\.json$/.test(name)) continue;
       const card = cards.find(({ path }) => path === `${folder}/${name}`);
       assert.ok(card?.words.length > 10, `${folder}/${name} is in the gallery`);
       assert.ok(card.isDrawn, `${folder}/${name} has a picture`);

@@ -113,6 +113,11 @@ pub enum Command {
         /// The JSON document.
         text: String,
     },
+    /// Replaces the patch by that of a file below the folder of the host. The history begins again.
+    OpenFile {
+        /// Its path from the folder, which ends in ".json".
+        name: String,
+    },
     /// Replaces the patch by an empty one.
     New {
         /// Name of the machine; that of the present patch if absent.

@@ -3,6 +3,7 @@
 //! `PATCHCORD_BLESS=1 cargo test -p patchcord-panel pictures` rewrites them.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::{env, fs, thread};
 
 use patchcord_core::circuit::Circuit;
@@ -196,13 +197,15 @@ fn drawn(shipped: &ShippedPatch) -> String {
 /// Compares the stored picture of a patch with a new one, or stores the new one if PATCHCORD_BLESS is set.
 fn check(shipped: &ShippedPatch) {
     let stem = shipped.path.trim_end_matches(".json");
-    let file = format!("{}/page/pictures/{stem}.svg", env!("CARGO_MANIFEST_DIR"));
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("page/pictures/{stem}.svg"));
     let fresh = drawn(shipped);
     assert!(fresh.len() < 3000, "{stem}: {} bytes", fresh.len());
     if env::var_os("PATCHCORD_BLESS").is_some() {
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
         fs::write(&file, &fresh).unwrap();
     }
     let stored = fs::read_to_string(&file).unwrap_or_default();
+    let file = file.display();
     assert!(stored == fresh, "{file} is stale: PATCHCORD_BLESS=1 cargo test -p patchcord-panel rewrites it");
 }
 

@@ -29,7 +29,7 @@ pub struct Options {
     pub port: Option<u16>,
     /// The patch that the panel opens first.
     pub patch: Option<GivenPatch>,
-    /// The folder below which sessions and comparisons read tables.
+    /// The folder below which sessions read patches, and sessions and comparisons read tables.
     pub folder: PathBuf,
     /// Whether the server stops after the last panel was closed.
     pub stops_when_closed: bool,

@@ -1,7 +1,7 @@
 //! Pages and documents: who gets them, with which headers.
 
 use patchcord_panel::pages::PAGES;
-use patchcord_panel::patches::{PATCHES, gallery};
+use patchcord_panel::patches::{DATA, PATCHES, gallery};
 
 use crate::client::{options, start};
 
@@ -68,6 +68,12 @@ fn the_gallery_and_its_patches_are_served_without_the_token() {
         );
         assert!(response.headers.contains("\r\ncontent-type: application/json\r\n"), "{}", response.headers);
     }
+    for data in DATA {
+        let response = server.get(&format!("/patches/{}", data.path));
+        assert_eq!((response.status, response.body.as_slice()), (200, data.text.as_bytes()), "{}", data.path);
+        let kind = "\r\ncontent-type: text/csv; charset=utf-8\r\n";
+        assert!(response.headers.contains(kind), "{}", response.headers);
+    }
 }
 
 #[test]
@@ -91,7 +97,9 @@ fn only_pages_are_served() {
         "/patches/lessons/../lessons/lorenz.json",
         "/patches/../Cargo.toml",
         "/patches/%2e%2e/Cargo.toml",
-        "/patches/measured/emps.json",
+        "/patches/measured/emps.experiment.json",
+        "/patches/examples/05_missing_effect/main.rs",
+        "/examples/05_missing_effect/measured.csv",
     ];
     for path in paths {
         let response = server.get(path);

@@ -1,5 +1,6 @@
 //! Sessions: who may begin one, how it answers, and when it ends.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use patchcord_server::{Limits, Options};
@@ -86,6 +87,24 @@ fn a_session_reads_no_table_outside_its_folder() {
     let open = serde_json::json!({"command": "open", "name": "/etc/p.json", "text": patch.to_string()});
     let answer = ask(&mut socket, &format!("{{\"id\": 1, \"commands\": [{open}]}}")).unwrap();
     assert!(answer.contains("is not below the folder from which tables may be read"), "{answer}");
+}
+
+#[test]
+fn a_session_opens_patches_below_its_folder_only() {
+    let lessons = PathBuf::from("../../patches/lessons");
+    let server = start(Options { folder: lessons, ..options() });
+    let mut socket = server.open();
+    let mut answer = |name: &str| {
+        let open = serde_json::json!({"command": "open-file", "name": name});
+        ask(&mut socket, &format!("{{\"id\": 1, \"commands\": [{open}]}}")).unwrap()
+    };
+    assert!(answer("mathieu.json").contains("\"file\":\"mathieu.json\""));
+    for name in ["../thesis/fig-8-16.json", "/etc/hostname.json", "%2e%2e/thesis/fig-8-16.json"] {
+        let answer = answer(name);
+        assert!(answer.contains("\"event\":\"refused\"") && !answer.contains("\"file\""), "{answer}");
+    }
+    // No address of the server has the file.
+    assert_eq!(server.get("/mathieu.json").status, 404);
 }
 
 #[test]

@@ -24,11 +24,13 @@ const attempt = (open) => open().catch((fault) => {
   return false;
 });
 
-async function openText(name, text, path) {
-  const isOpen = await replace({ command: 'open', name, text }, { path });
+async function openBy(command, path) {
+  const isOpen = await replace(command, { path });
   if (isOpen) root.dataset.first = '';
   return isOpen;
 }
+
+const openText = (name, text, path) => openBy({ command: 'open', name, text }, path);
 
 /** Keeps the present patch, or asks before its changes are lost. @returns {Promise<boolean>} whether to continue */
 async function mayReplace() {
@@ -92,22 +94,31 @@ function mountDrop() {
   });
 }
 
-async function textAt(path, url) {
+async function textAt(path, url = new URL(path, document.baseURI)) {
   const answer = await read(path, url).catch(() => null);
-  if (!answer?.ok) throw new Error(`There is no patch at ${url.pathname}. Check the address.`);
-  return textOf(answer.body, LARGEST_FILE, 'The patch');
+  if (!answer?.ok) throw new Error(`There is no file at ${url.pathname}. Check the address.`);
+  return textOf(answer.body, LARGEST_FILE, 'The file');
 }
 
-/** Opens a patch of the gallery, or a file in the folder of the page or below it. */
-async function openAt(name) {
-  const isPiece = (await pieces()).some(({ path }) => path === name);
+/** Opens a file in the folder of the page or below it. */
+async function openBelow(path, piece) {
   const folder = new URL('.', document.baseURI);
-  const path = isPiece ? `patches/${name}` : name;
   const url = new URL(path, folder);
   if (!url.href.startsWith(folder.href)) {
     throw new Error('The page opens patches in its own folder only. Save the file and drop it here.');
   }
-  return openText(baseName(decodeURIComponent(url.pathname)), await textAt(path, url), isPiece ? name : null);
+  return openText(baseName(decodeURIComponent(url.pathname)), await textAt(path, url), piece);
+}
+
+/** Opens a patch of the gallery with its measured data, or a file in the folder of the panel or below it. */
+async function openAt(name) {
+  const piece = (await pieces()).find(({ path }) => path === name);
+  if (!piece) return state.host?.kind === 'server' ? openBy({ command: 'open-file', name }) : openBelow(name);
+  const { data, experiment } = piece;
+  const text = data && await textAt(`patches/${data}`);
+  const isOpen = await openBelow(`patches/${name}`, name);
+  if (isOpen && data) emit('data', { name: baseName(data), text, experiment, patch: state.patch.file });
+  return isOpen;
 }
 
 async function openNamed() {
@@ -134,7 +145,7 @@ const GALLERY = {
     setAddress(path);
     send({ command: 'mode', mode: 'operate' });
   }),
-  restore: (id) => attempt(async () => { if (await mayReplace() && await restore(id)) setAddress(); }),
+  restore: (id, time) => attempt(async () => { if (await mayReplace() && await restore(id, time)) setAddress(); }),
 };
 
 /** Brings the first patch. If nothing names one, the gallery opens. */

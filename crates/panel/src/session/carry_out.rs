@@ -2,7 +2,7 @@
 
 use super::checks::{check_divider, check_rate, check_speed, check_sweep, within};
 use super::current_patch::{self, follow, recompile_if_turned};
-use super::{Session, Shown, events, saved, table_access};
+use super::{Session, Shown, events, files, saved, table_access};
 use crate::command::{Command, Mode};
 use crate::compiled::advise;
 use crate::document::{Document, Refusal};
@@ -22,6 +22,7 @@ pub(super) fn carry_out(
     match command {
         Command::Hello => list.extend(events::hello(session)),
         Command::Open { name, text } => open(session, name, text, list)?,
+        Command::OpenFile { name } => open_file(session, name, list)?,
         Command::New { machine } => begin(session, machine.as_deref(), list),
         Command::Text => list.push(events::text(session)),
         Command::Snapshot => list.push(Event::Snapshot { snapshot: saved::snapshot(session) }),
@@ -54,6 +55,16 @@ pub(super) fn carry_out(
 /// As for [`Document::open`].
 fn open(session: &mut Session, name: &str, text: &str, list: &mut Vec<Event>) -> Result<(), Refusal> {
     let document = Document::open(name, text, &table_access(&session.options))?;
+    current_patch::open(session, document, list);
+    Ok(())
+}
+
+/// Opens the patch in a file below the folder of the host.
+///
+/// # Errors
+/// As for [`files::read`].
+fn open_file(session: &mut Session, name: &str, list: &mut Vec<Event>) -> Result<(), Refusal> {
+    let document = files::read(&session.options, name)?;
     current_patch::open(session, document, list);
     Ok(())
 }

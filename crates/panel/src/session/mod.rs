@@ -2,13 +2,14 @@
 //!
 //! `requests` reads requests and writes answers, `carry_out` carries out their commands, and `checks` checks numbers.
 //! `current_patch` lets the machine follow the patch, `bench` is the machine with its clock, and `reading` reads it.
-//! `events` makes the events, and `saved` the snapshots.
+//! `events` makes the events, `saved` the snapshots, and `files` opens files.
 
 mod bench;
 mod carry_out;
 mod checks;
 mod current_patch;
 mod events;
+mod files;
 mod live_machine;
 mod reading;
 mod requests;
@@ -30,8 +31,8 @@ use crate::scope::{SCOPES, Scope};
 /// The settings of a session that a host chooses.
 #[derive(Debug, Clone, Default)]
 pub struct SessionOptions {
-    /// The folder below which tables of patches are read, and to which their paths are relative. Without it, no files are
-    /// read.
+    /// The folder below which patches and their tables are read, and to which their paths are relative. Without it, no
+    /// files are read.
     pub folder: Option<PathBuf>,
 }
 
