@@ -71,6 +71,8 @@ fn first_picture(shipped: &ShippedPatch) -> Picture {
     let circuit = Circuit::new(&patch).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     let settings = RunSettings::of(&circuit).unwrap_or_else(|error| panic!("{error}"));
+    // A curve against a signal comes from all steps, because the samples would be the corners of a polygon.
+    let settings = settings.with_curves(circuit.drawn_curves());
     let trace = run(&program, &settings).unwrap_or_else(|stopped| panic!("{}: {stopped}", shipped.path));
     let specs = circuit.picture_specs(patch.signals.keys());
     let mut picture =
