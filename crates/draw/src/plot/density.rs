@@ -65,11 +65,7 @@ pub enum Strokes<'a> {
 /// };
 /// assert_eq!((strokes_of(2000.0), strokes_of(200.0)), (0, 6));
 /// ```
-pub fn strokes<'a>(
-    lines: &'a [Vec<(f64, f64)>],
-    width: f64,
-    expose: impl FnOnce(&mut Exposure),
-) -> Strokes<'a> {
+pub fn strokes(lines: &[Vec<(f64, f64)>], width: f64, expose: impl FnOnce(&mut Exposure)) -> Strokes<'_> {
     let Some(passes) = Passes::of(lines, width) else { return Strokes::Opaque(lines) };
     let (mean, fills) = (passes.mean(), passes.filled_share() > MAX_OPAQUE_FILLED_SHARE);
     if fills && lines.iter().all(|line| is_monotonic(line)) {
