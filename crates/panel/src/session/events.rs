@@ -4,7 +4,7 @@ use patchcord_core::solve::{RunSettings, run};
 use patchcord_draw::schematic::Schematic;
 
 use super::Session;
-use crate::compiled::{Compiled, compile};
+use crate::compiled::compile;
 use crate::document::Refusal;
 use crate::event::Event;
 use crate::limits::{self, MAX_TABLE_BYTES};
@@ -23,9 +23,8 @@ pub(super) fn hello(session: &mut Session) -> Vec<Event> {
 
 /// The event about the patch.
 pub(super) fn patch(session: &Session) -> Event {
-    let compiled = session.compiled.as_ref();
-    let (circuit, program) = compiled.map(|Compiled { circuit, program }| (circuit, &**program)).unzip();
-    Event::Patch(Box::new(view::patch_view(&session.document, circuit, program)))
+    let runs = session.compiled.is_some();
+    Event::Patch(Box::new(view::patch_view(&session.document, &session.report, runs)))
 }
 
 /// The events about the patch, its faults, and the views that the page shows.
