@@ -5,3 +5,4 @@ mod pictures;
 mod protocol;
 mod random_commands;
 mod session;
+mod way_back;

@@ -24,7 +24,10 @@ pub(super) fn continued(
     let mut machine = live_machine(program, settings)?;
     if let Some(mut old) = old {
         machine.with_dependent_mut(|_, new| {
-            old.with_dependent_mut(|_, old| new.run.continue_from(&mut old.run))
+            old.with_dependent_mut(|_, old| {
+                new.plays = old.plays;
+                new.run.continue_from(&mut old.run)
+            })
         })?;
     }
     Ok(machine)
