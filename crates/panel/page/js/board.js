@@ -69,9 +69,11 @@ export function mountBoard(root) {
   /** Shows what the pointer is on; without it, what has the focus. */
   function hover(one, seen = one ?? (hasFocus() ? current : null)) {
     if (seen === tipped) return;
-    cordLayer.querySelector('.is-active')?.classList.remove('is-active');
-    cordLayer.classList.toggle('has-active', seen?.type === 'cord');
-    if (seen?.type === 'cord') seen.node.classList.add('is-active');
+    // A jack marks its cords, but not because it has the focus after a click.
+    const marks = one || seen?.node.matches(':focus-visible');
+    const own = board.plugs.filter(({ jack, fixed }) => marks && (jack ?? fixed) === seen).map(({ node }) => node);
+    for (const node of cordLayer.children) node.classList.toggle('is-active', node === seen?.node || own.includes(node));
+    cordLayer.classList.toggle('has-active', seen?.type === 'cord' || own.length > 0);
     showTip(seen, !one);
   }
   /** The panel has two stops of the Tab key: one of the jacks and modules, and one of the cords. */

@@ -231,7 +231,7 @@ impl Traces {
         self.is_in_run = true;
     }
 
-    /// Shows the screen with a time of a run that goes on to the time `end`. Only with the run as trigger are the screens one
+    /// Shows the screen with a time of a run that ends at the time `end`. Only with the run as trigger are the screens one
     /// after the other.
     pub(super) fn show(&mut self, memory: &Envelope, time: f64, end: f64, timing: Timing) {
         let columns = &self.current.columns;

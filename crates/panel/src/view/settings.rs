@@ -19,14 +19,18 @@ pub(super) struct SettingViewer<'p> {
     /// Its parameters and scales with their values.
     quantities: &'p Quantities,
     /// Where the text has formulas in a wrong unit. The number of such a formula has no meaning.
-    misfits: Vec<Span>,
+    mismatches: Vec<Span>,
 }
 
 impl<'p> SettingViewer<'p> {
     /// A viewer of a patch with its quantities and the report about it.
     pub(super) fn new(patch: &'p Patch, quantities: &'p Quantities, report: &Report) -> Self {
-        let misfits = report.findings.iter().filter(|finding| finding.code == Code::UNIT_MISMATCH);
-        SettingViewer { patch, quantities, misfits: misfits.filter_map(|finding| finding.span).collect() }
+        let mismatches = report.findings.iter().filter(|finding| finding.code == Code::UNIT_MISMATCH);
+        SettingViewer {
+            patch,
+            quantities,
+            mismatches: mismatches.filter_map(|finding| finding.span).collect(),
+        }
     }
 
     /// The settings of an element or a drive.
@@ -73,9 +77,11 @@ impl<'p> SettingViewer<'p> {
     fn value(&self, row: &Setting, given: Option<&Placed<Amount>>, unit: &str) -> Option<f64> {
         match given.map(|placed| (&placed.value, placed.span)) {
             Some((Amount::Formula(formula), span)) => {
-                let is_misfit =
-                    self.misfits.iter().any(|misfit| span.start <= misfit.start && misfit.end <= span.end);
-                if is_misfit { None } else { setting_number(self.quantities, row, formula, unit) }
+                let is_mismatch = self
+                    .mismatches
+                    .iter()
+                    .any(|mismatch| span.start <= mismatch.start && mismatch.end <= span.end);
+                if is_mismatch { None } else { setting_number(self.quantities, row, formula, unit) }
             }
             Some((Amount::Flag(flag), _)) => Some(f64::from(u8::from(*flag))),
             Some((Amount::Choice(index), _)) => Some(*index as f64),

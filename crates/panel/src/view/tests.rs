@@ -205,11 +205,11 @@ fn a_fault_leaves_the_values_that_do_not_depend_on_it() {
     let mut document = opened("lessons/mass-and-spring.json");
     let command = json!({"command": "setting", "element": "P1", "setting": "setting", "value": "k / m"});
     document.apply(&serde_json::from_value(command).unwrap()).unwrap();
-    let misfit = viewed(&document);
-    assert!(!misfit.runs);
-    assert_eq!(setting(&misfit, "P1", "setting").value, None);
-    assert_near(setting(&misfit, "A2", "initial").value, -80.0);
-    assert_near(setting(&misfit, "P2", "setting").value, 0.4);
+    let mismatched = viewed(&document);
+    assert!(!mismatched.runs);
+    assert_eq!(setting(&mismatched, "P1", "setting").value, None);
+    assert_near(setting(&mismatched, "A2", "initial").value, -80.0);
+    assert_near(setting(&mismatched, "P2", "setting").value, 0.4);
 }
 
 #[test]
