@@ -12,7 +12,7 @@ use patchcord_core::patch::{Amount, Instance, InstanceSetting};
 use patchcord_expr::{Formula, Unit};
 
 /// Returns the settings of an instance in the units of its macro.
-pub fn of_instance(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
+pub(super) fn of_instance(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
     let setting = |(key, made): (&String, &InstanceSetting)| {
         let value = circuit.per_volt(circuit.derived_index(&format!("{name}.{key}"))?)?;
         let text = made.value.value.text();
