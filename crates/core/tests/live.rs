@@ -178,9 +178,17 @@ fn a_run_returns_to_a_checkpoint_with_the_same_bits() {
     };
     play_to(&mut live, 1.0);
     let checkpoint = live.checkpoint().unwrap();
+    play_to(&mut live, 2.0);
+    let later = live.checkpoint().unwrap();
     let expected = play_to(&mut live, 2.5);
     live.return_to(&checkpoint);
     assert!((live.clock() - 1.0).abs() < 1e-9 && live.clock() == checkpoint.clock());
+    assert_eq!(play_to(&mut live, 2.5), expected);
+    // Back, and forward again to a checkpoint that the run has not reached since then.
+    live.return_to(&checkpoint);
+    play_to(&mut live, 1.5);
+    live.return_to(&later);
+    assert_eq!(live.clock(), later.clock());
     assert_eq!(play_to(&mut live, 2.5), expected);
 }
 

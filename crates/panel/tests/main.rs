@@ -7,3 +7,4 @@ mod limits;
 mod pictures;
 mod random_commands;
 mod session;
+mod way_back;

@@ -98,52 +98,6 @@ fn a_single_sweep_ends_in_hold_and_repetitive_operation_counts() {
 }
 
 #[test]
-fn the_machine_goes_back_in_its_run() {
-    let mut client = Client::with("lessons/mass-and-spring.json");
-    client.mode("operate");
-    let mut velocities = Vec::new();
-    for _ in 0..20 {
-        let frame = client.advance(0.1);
-        velocities.push(client.volts(&frame, "A1"));
-    }
-    let events = client.send(json!({"command": "scrub", "time": 0.5}));
-    assert_eq!(event(&events, "machine")["mode"], "hold");
-    let frame = client.advance(0.0);
-    assert!((frame.header.time - 0.5).abs() < 1.1e-3, "{}", frame.header.time);
-    assert!((client.volts(&frame, "A1") - velocities[4]).abs() < 0.6);
-    client.mode("operate");
-    let frame = client.advance(0.1);
-    assert!((client.volts(&frame, "A1") - velocities[5]).abs() < 0.6);
-    assert!(refusal(&client.send(json!({"command": "scrub", "time": 50}))).contains("moved back"));
-}
-
-#[test]
-fn the_way_back_in_a_long_run_takes_several_advances() {
-    let mut client = Client::with("lessons/mass-and-spring.json");
-    client.mode("operate");
-    client.send(json!({"command": "speed", "factor": 1000}));
-    for _ in 0..2 {
-        client.advance(1.0);
-    }
-    // Checkpoints are longer apart than the phases of operation. The host has no time after the first 200 steps.
-    let request = json!({"id": 1, "commands": [{"command": "scrub", "time": 1321.0}]}).to_string();
-    let answer = client.0.request(&request, &mut || true);
-    assert!(!answer.text.contains("refused"), "{}", answer.text);
-    let first =
-        client.0.request(r#"{"id": 2, "commands": [{"command": "advance", "seconds": 0}]}"#, &mut || true);
-    let first = decode(&first.frame.unwrap()).unwrap();
-    assert!(first.header.moves && first.header.time < 1320.0, "{:?}", first.header);
-    let last = client.advance(0.0);
-    assert!((last.header.time - 1321.0).abs() < 1.1e-3, "{}", last.header.time);
-    assert!(!client.advance(0.1).header.moves);
-    // The machine is at rest there with the parameters of now.
-    client.send(json!({"command": "scrub", "time": 1000.0}));
-    client.send(json!({"command": "scrub", "time": 500.0}));
-    client.send(json!({"command": "parameter", "name": "k", "value": 50}));
-    assert_eq!(client.advance(0.0).header.time, client.advance(0.1).header.time);
-}
-
-#[test]
 fn pot_set_shows_settings_and_the_null_meter_compares() {
     let mut client = Client::with("lessons/mass-and-spring.json");
     client.mode("pot-set");

@@ -2,7 +2,7 @@
 //!
 //! [`run`](super::run()) plays all phases at once. A [`LiveRun`] plays the same phases with the same steps, so its
 //! samples have the same bits, but returns to the caller whenever that is wanted. In between, parameters can be set,
-//! probes moved, and the machine moved back to a [`Checkpoint`].
+//! probes moved, and the machine moved to a [`Checkpoint`].
 
 use super::error::RunError;
 use super::fast_path::Halt;
@@ -314,7 +314,7 @@ impl<'p> LiveRun<'p> {
         })
     }
 
-    /// Returns to an earlier instant of the same run. The parameters are those of that instant.
+    /// Returns to another instant of the same run, which may be later. The parameters are those of that instant.
     pub fn return_to(&mut self, checkpoint: &Checkpoint<'p>) {
         let Player { machine, recorder, is_held, .. } = &mut self.player;
         machine.clone_from(&checkpoint.machine);

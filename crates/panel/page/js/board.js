@@ -25,7 +25,7 @@ export function mountBoard(root) {
   let drawn = { stops: new Map(), outs: [], lamps: [] };
   let cords = { stops: new Map() };
   let [notes, index] = [new Map(), new Map()];
-  let [isShown, tipped, current, last, timer] = [false, null, null, 0, 0];
+  let [isShown, tipped, marked, current, last, timer] = [false, null, null, null, 0, 0];
   const zoom = new Zoom(root, [canvas, live], 20, READABLE, () => showTip(tipped));
 
   const stop = (key) => drawn.stops.get(key) ?? cords.stops.get(key);
@@ -68,10 +68,12 @@ export function mountBoard(root) {
   }
   /** Shows what the pointer is on; without it, what has the focus. */
   function hover(one, seen = one ?? (hasFocus() ? current : null)) {
-    if (seen === tipped) return;
-    cordLayer.querySelector('.is-active')?.classList.remove('is-active');
-    cordLayer.classList.toggle('has-active', seen?.type === 'cord');
-    if (seen?.type === 'cord') seen.node.classList.add('is-active');
+    // A jack marks its cords, but not because it has the focus after a click.
+    const marks = (one ?? seen?.node.matches(':focus-visible')) && seen;
+    if (seen === tipped && marks === marked) return;
+    marked = marks;
+    const own = board.plugs.filter(({ jack, fixed }) => (jack ?? fixed) === marks).map(({ node }) => node);
+    for (const node of cordLayer.children) node.classList.toggle('is-active', node === seen?.node || own.includes(node));
     showTip(seen, !one);
   }
   /** The panel has two stops of the Tab key: one of the jacks and modules, and one of the cords. */

@@ -29,15 +29,20 @@ function mountModes() {
 
 function mountSpeed() {
   const buttons = [...byId('speed').children];
-  const has = ({ value }, speed) => value === String(speed ?? '');
+  /** The button of the speed that was chosen last: keys can be faster than the answers. */
+  let at = 1;
   for (const each of buttons) each.onclick = () => send({ command: 'speed', factor: Number(each.value) || null });
   const step = (by) => {
-    const at = buttons.findIndex((each) => has(each, state.machine?.speed));
-    buttons[within(0, (at < 0 ? 1 : at) + by, buttons.length - 1)].click();
+    at = within(0, at + by, buttons.length - 1);
+    buttons[at].click();
   };
   bind(',', 'Slower', () => step(-1));
   bind('.', 'Faster', () => step(1));
-  on('machine', ({ speed, rate }) => press(byId('speed'), (each) => rate === null && has(each, speed)));
+  on('machine', ({ speed, rate }) => {
+    const present = buttons.findIndex(({ value }) => value === String(speed ?? ''));
+    press(byId('speed'), (each) => rate === null && each === buttons[present]);
+    at = present < 0 ? 1 : present;
+  });
 }
 
 function mountPause() {
@@ -64,27 +69,27 @@ function pace(frame, factor) {
 /** The time, the slider over the run, and the sentence about speed. */
 function mountTime() {
   const [scrub, value] = [byId('scrub'), byId('scrub-time')];
-  let [factor, isMoved] = [1, false];
+  /** The answer to the last command while the slider is moved. One command is on its way, and a new one replaces one that waits. */
+  let [factor, moved] = [1, null];
   scrub.oninput = () => {
-    isMoved = true;
     value.textContent = quantity(Number(scrub.value), 's');
+    moved = send({ command: 'scrub', time: Number(scrub.value) });
   };
-  // The machine forgets the run after the time to which it moves back, so that it moves when the slider is let go.
-  scrub.onchange = async () => {
-    await send({ command: 'scrub', time: Number(scrub.value) });
-    isMoved = false;
+  // When it is let go, the slider follows the machine again. There is no `change` if it is back at its place.
+  scrub.onchange = scrub.onpointerup = scrub.onpointercancel = scrub.onblur = async () => {
+    const last = moved;
+    await last;
+    if (moved === last) moved = null;
   };
-  // There is no `change` if the slider is back at its place.
-  scrub.onpointerup = scrub.onpointercancel = scrub.onblur = () => setTimeout(() => { isMoved = false; }, 100);
-  on('machine', ({ oldest }) => { scrub.min = oldest; });
   on('frame', (frame) => {
     const { time } = frame;
     if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
     write(byId('time'), clock(time));
     write(byId('pace'), pace(frame, factor));
-    if (isMoved) return;
-    scrub.max = Math.max(time, Number(scrub.min));
-    scrub.disabled = time <= Number(scrub.min);
+    if (moved) return;
+    scrub.min = state.machine.oldest ?? time;
+    scrub.max = state.machine.latest ?? time;
+    scrub.disabled = scrub.min === scrub.max;
     scrub.value = time;
     write(value, quantity(time, 's'));
   });

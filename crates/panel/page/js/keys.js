@@ -46,7 +46,7 @@ export function startKeys() {
   const showList = () => {
     dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => {
       const { node, keys } = template('key', { text });
-      keys.append(...key.split('+').map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part)));
+      keys.append(...key.split(/\b\+/).map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part)));
       return node;
     }));
     dialog.showModal();

@@ -51,6 +51,8 @@ function mountTabs() {
   });
   for (const each of byId('layout').children) each.onclick = () => setLayout(each.value);
   bind('v', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
+  for (const [key, text] of [['+', 'Zoom in'], ['-', 'Zoom out'], ['0', 'Show the whole drawing']])
+    bind(key, text, () => document.querySelector(`.view:not([hidden]) [aria-keyshortcuts="${key}"]`)?.click());
   const before = stored('layout') ?? 'both';
   select(byId(stored('tab')) ?? tabs[0]);
   setLayout(before);

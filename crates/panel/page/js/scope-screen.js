@@ -290,10 +290,15 @@ export class Screen {
     pen.way *= left;
   }
 
-  /** Place of a channel's spot; null if it is not on the screen. */
-  spot(channel) {
-    const { view, pen, beams, model: { trace } } = this;
-    const [x, y] = trace.plane ? [[pen.x, pen.y], []][channel] : beams[channel];
-    return x > view.x && x - view.x < view.across && y > view.y && y - view.y < view.up ? [x, y] : null;
+  /**
+   * Place of a channel's spot; null if it is not on the screen. `back` has the time and the voltages of a machine that was
+   * moved back: its spot is on the trace, which stays.
+   */
+  spot(channel, back) {
+    const { view, pen, beams, model: { trace, controls, span } } = this;
+    const place = back && scales(view, controls).map(({ gain, zero }, index) => zero + gain * back.volts[index]);
+    const ends = trace.plane ? [place || [pen.x, pen.y], []] : beams;
+    const [x, y] = place && !trace.plane ? [view.x + (view.across * (back.time - trace.left)) / span, place[channel]] : ends[channel];
+    return x >= view.x && x - view.x <= view.across && y >= view.y && y - view.y <= view.up ? [x, y] : null;
   }
 }

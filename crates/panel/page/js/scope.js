@@ -132,8 +132,9 @@ export function mountScope(root, index) {
     if (!controls || screen.view.width < 20) return;
     if (screen.isStale || (hasCursors && now - readAt > READING)) read(now);
     screen.draw();
+    const back = Number.isFinite(state.machine?.latest) && { time: state.frame?.time, volts: voltages() };
     spots.forEach((spot, channel) => {
-      const at = isMoving && screen.spot(channel);
+      const at = (isMoving || back) && screen.spot(channel, back);
       spot.hidden = !at;
       if (at) spot.style.translate = at.map((each) => `${each}px`).join(' ');
     });

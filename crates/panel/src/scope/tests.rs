@@ -1,3 +1,5 @@
+mod moved_back;
+
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
@@ -243,20 +245,6 @@ fn another_probe_begins_empty() {
         assert!(second[..columns].iter().flatten().all(|volts| volts.is_nan()));
         assert!(second[columns..2 * columns].iter().flatten().all(|volts| (-30.01..=-14.9).contains(volts)));
     }
-}
-
-#[test]
-fn an_earlier_time_replaces_what_was_after_it() {
-    let mut scope = scope(|_| {});
-    scope.begin_run(1.0);
-    run(&mut scope, 0.0, 0.8, 800, |time| 30.0 * time);
-    let before = time_picture(&mut scope);
-    run(&mut scope, 0.4, 0.6, 200, |_| 12.0);
-    let after = time_picture(&mut scope);
-    assert_eq!((after.generation, after.reached), (before.generation, 601));
-    assert_ramp(&after, 400, 30.0, 0.0);
-    let channel = after.channels[0].as_ref().unwrap();
-    assert!(channel[402..].iter().all(|extremes| *extremes == [12.0, 12.0]));
 }
 
 #[test]

@@ -119,14 +119,14 @@ fn set_sweep(session: &mut Session, seconds: Option<f64>, list: &mut Vec<Event>)
     Ok(())
 }
 
-/// Moves the machine back to an earlier time.
+/// Moves the machine to another time of its run. The client has to know its state, also if only the time is another one.
 ///
 /// # Errors
 /// If the time is not within its run, or the patch has faults.
 fn scrub(session: &mut Session, time: f64, must_stop: &mut dyn FnMut() -> bool) -> Result<(), Refusal> {
-    let parameters = session.document.patch().parameters.iter();
-    let parameters = parameters.map(|(name, parameter)| (name.clone(), parameter.value)).collect();
-    session.bench.scrub(time, parameters, &mut session.scopes, must_stop).map_err(Refusal::new)
+    session.bench.scrub(time, &mut session.scopes, must_stop).map_err(Refusal::new)?;
+    session.known = None;
+    Ok(())
 }
 
 /// Advances the clock.

@@ -23,8 +23,8 @@ pub(super) fn hello(session: &mut Session) -> Vec<Event> {
 
 /// The event about the patch.
 pub(super) fn patch(session: &Session) -> Event {
-    let circuit = session.compiled.as_ref().map(|compiled| &compiled.circuit);
-    Event::Patch(Box::new(view::patch_view(&session.document, circuit)))
+    let runs = session.compiled.is_some();
+    Event::Patch(Box::new(view::patch_view(&session.document, &session.report, runs)))
 }
 
 /// The events about the patch, its faults, and the views that the page shows.

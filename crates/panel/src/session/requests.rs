@@ -20,8 +20,7 @@ pub(super) fn drop_replaced(events: &mut Vec<Event>, known: usize) {
 
 /// Whether a client has to know a new state of the machine. Time advances in frames.
 pub(super) fn differs(known: &MachineState, state: &MachineState) -> bool {
-    let MachineState { time, oldest, .. } = known;
-    *known != MachineState { time: *time, oldest: *oldest, ..state.clone() }
+    *known != MachineState { time: known.time, ..state.clone() }
 }
 
 /// The answer to a request.
