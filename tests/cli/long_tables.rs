@@ -55,26 +55,21 @@ fn a_table_up_to_an_error_does_not_depend_on_pictures() {
 #[cfg(target_os = "linux")]
 type Points = Vec<(f64, f64)>;
 
-/// The curves in a file of pictures: the positions of the points of each. A dense curve consists of strokes with the same
-/// attributes.
+/// The curves in a file of pictures: the positions of the points of each. Each picture has one, and a dense one
+/// consists of strokes in several shades.
 #[cfg(target_os = "linux")]
 fn curves(svg: &str) -> Vec<Points> {
-    let mut curves: Vec<((usize, &str), Points)> = Vec::new();
+    let mut curves = Vec::new();
     let point = |text: &str| {
         let (x, y) = text.split_once(',').unwrap();
         (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap())
     };
-    for (number, picture) in svg.split("<svg ").enumerate() {
-        for stroke in picture.split("<polyline").skip(1) {
-            let (attributes, rest) = stroke.split_once("points=\"").unwrap();
-            let points = rest.split('"').next().unwrap().split_whitespace().map(point);
-            match curves.iter_mut().find(|(known, _)| *known == (number, attributes)) {
-                Some((_, curve)) => curve.extend(points),
-                None => curves.push(((number, attributes), points.collect())),
-            }
-        }
+    for picture in svg.split("<svg ") {
+        let strokes = picture.split("points=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+        curves.push(strokes.flat_map(|points| points.split_whitespace().map(point)).collect::<Points>());
     }
-    curves.into_iter().map(|(_, points)| points).filter(|points| points.len() > 1000).collect()
+    curves.retain(|points| points.len() > 1000);
+    curves
 }
 
 /// The samples and their pictures would take 400 MB.

@@ -40,21 +40,25 @@ fn a_figure_has_a_picture_a_patch_and_a_page() {
     assert_eq!(code(&again), 0, "{}", errors(&again));
     // The command also checks the steps, and may follow the curve with other points of it.
     let pictures = [written("fig-8-24.svg"), fs::read_to_string(path(&folder, "again.svg")).unwrap()];
-    let [first, second] = pictures.each_ref().map(|svg| svg.split_once("points=\"").unwrap());
-    let [ends, other_ends] = [first.1, second.1].map(|rest| rest.split_once('"').unwrap());
-    assert_eq!((first.0, ends.1), (second.0, other_ends.1));
-    let [curve, other] = [ends.0, other_ends.0].map(points);
+    let [(before, curve, after), (other_before, other, other_after)] =
+        pictures.each_ref().map(|svg| parts(svg));
+    assert!(before == other_before && after == other_after);
     assert!(curve.iter().all(|point| distance(*point, &other) < 8.0));
     assert!(other.iter().all(|point| distance(*point, &curve) < 8.0));
 }
 
-/// The points of a curve in a picture, in tenths of a pixel.
-fn points(text: &str) -> Vec<[f64; 2]> {
+/// The text before the curve of a picture, the points of all its strokes in tenths of a pixel, and the text after it.
+fn parts(svg: &str) -> (&str, Vec<[f64; 2]>, &str) {
+    let (before, rest) = svg.split_once("<polyline").unwrap();
+    let (strokes, end) = rest.rsplit_once("points=\"").unwrap();
+    let (last, after) = end.split_once('"').unwrap();
     let point = |text: &str| {
         let (x, y) = text.split_once(',').unwrap();
         [x, y].map(|number| number.parse().unwrap())
     };
-    text.split_whitespace().map(point).collect()
+    let strokes =
+        strokes.split("points=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).chain([last]);
+    (before, strokes.flat_map(|points| points.split_whitespace().map(point)).collect(), after)
 }
 
 /// The distance of a point from the lines between points.

@@ -2,7 +2,7 @@
 //!
 //! They are far above what the page and the shipped patches need. Whatever exceeds them is refused with a message.
 
-use patchcord_core::document::{format_number, format_outside};
+use patchcord_core::document::{format_distinct, format_number, format_outside};
 use patchcord_core::patch::{Amount, Patch};
 use patchcord_core::solve::{RunError, RunSettings};
 
@@ -104,8 +104,11 @@ pub(crate) fn limit_run(settings: &mut RunSettings, elements: usize) -> Result<(
 
 /// The message about an error of a run for a table.
 pub(crate) fn run_message(error: &RunError) -> String {
-    match error.code() {
-        "too-many-steps" => format!("{error} on the panel: use patchcord run"),
+    match error {
+        RunError::TooManySteps { steps, max } => {
+            let [steps, max] = [format_distinct(*steps, *max), format_distinct(*max, *steps)];
+            format!("the run would take {steps} steps, and the panel takes {max}: use patchcord run")
+        }
         _ => error.to_string(),
     }
 }

@@ -4,7 +4,6 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{LiveRun, RunSettings};
-use patchcord_panel::frame::decode;
 use patchcord_panel::{Session, SessionOptions};
 use serde_json::{Value, json};
 

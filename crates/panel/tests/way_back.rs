@@ -189,7 +189,7 @@ fn a_machine_that_was_moved_continues_with_the_same_bits() {
         "A2": {"kind": "integrator", "in": {"x1": ["B1"]}}, "B1": {"kind": "inverter", "in": "A1"}},
         "run": {"for": 200, "step": 0.01, "tolerance": 1e-6}, "record": ["A1"]}"#;
     // Every step takes longer than an advance.
-    assert_continues(adaptive, "A1", 0.1, None);
+    assert_continues(adaptive, "A1", 0.02, None);
 }
 
 #[test]

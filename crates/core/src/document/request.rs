@@ -8,7 +8,7 @@ use super::named_variant::read_variant;
 
 /// Largest number of commas outside of texts in a request. A value takes up to 100 bytes of memory, also where its text has
 /// two bytes, and texts take as much as in the request.
-const MAX_COMMAS: usize = 100_000;
+const MAX_COMMAS: usize = 500_000;
 
 /// A command of a client.
 pub trait RequestCommand: DeserializeOwned {
@@ -123,7 +123,7 @@ mod tests {
     /// Reads a request with this text as JSON.
     fn read(text: &str) -> Result<Request<Command>, String> {
         let request = format!(r#"{{"id": 1, "commands": [{{"command": "Note", "text": {text}}}]}}"#);
-        read_request(&request, 1_000_000, 1)
+        read_request(&request, 3_000_000, 1)
     }
 
     #[test]
@@ -133,6 +133,6 @@ mod tests {
         let Command::Note { text } = &request.commands[0];
         assert_eq!(*text, format!("\"{commas}\\"));
         let numbers = vec!["0"; MAX_COMMAS + 2].join(",");
-        assert_eq!(read(&format!("[{numbers}]")).unwrap_err(), "the request has more than 100000 values");
+        assert_eq!(read(&format!("[{numbers}]")).unwrap_err(), "the request has more than 500000 values");
     }
 }

@@ -1,6 +1,7 @@
+use patchcord_core::document::{Request, read_request};
 use patchcord_core::ir::Program;
 use patchcord_core::patch::TableAccess;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::*;
 use crate::command::{Command, CordEnd};
@@ -22,6 +23,13 @@ fn view(name: &str) -> PatchView {
 fn viewed(document: &Document) -> PatchView {
     let (report, compiled) = compile(document.patch());
     patch_view(document, &report, compiled.is_some())
+}
+
+/// Applies a command that edits a document.
+fn apply(document: &mut Document, command: &Value) {
+    let request = json!({"id": 1, "commands": [command]}).to_string();
+    let request: Request<Command> = read_request(&request, 1000, 1).unwrap();
+    document.apply(&request.commands[0]).unwrap();
 }
 
 /// An element of a view.
@@ -194,7 +202,7 @@ fn a_fault_leaves_the_values_that_do_not_depend_on_it() {
         json!({"command": "plug", "element": "B1", "jack": "in", "from": "B2"}),
         json!({"command": "plug", "element": "B2", "jack": "x1", "from": "B1"}),
     ] {
-        document.apply(&serde_json::from_value(command).unwrap()).unwrap();
+        apply(&mut document, &command);
     }
     let looped = viewed(&document);
     assert!(!looped.runs);
@@ -204,7 +212,7 @@ fn a_fault_leaves_the_values_that_do_not_depend_on_it() {
     // A formula in a wrong unit has no value.
     let mut document = opened("lessons/mass-and-spring.json");
     let command = json!({"command": "setting", "element": "P1", "setting": "setting", "value": "k / m"});
-    document.apply(&serde_json::from_value(command).unwrap()).unwrap();
+    apply(&mut document, &command);
     let mismatched = viewed(&document);
     assert!(!mismatched.runs);
     assert_eq!(setting(&mismatched, "P1", "setting").value, None);
