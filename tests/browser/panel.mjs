@@ -137,8 +137,8 @@ export function stateOf(page) {
 /** Sends commands as the page does, for what no control does. Returns the events. */
 export function command(page, ...commands) {
   return page.evaluate(async (list) => {
-    const { send } = await import(new URL('js/state.js', document.baseURI).href);
-    return send(...list);
+    const { sendAll } = await import(new URL('js/state.js', document.baseURI).href);
+    return sendAll(list);
   }, commands);
 }
 

@@ -132,10 +132,10 @@ export function markSaved() {
  * have either patch.
  * @returns {Promise<boolean>} whether the session has done it
  */
-export async function replace(command, { id = random(), path = null, edited = false, isSaved = true } = {}) {
+export async function replace(command, fields, { id = random(), path = null, edited = false, isSaved = true } = {}) {
   const before = present;
   present = null;
-  if (!eventOf(await send(command), 'patch')) {
+  if (!eventOf(await send(command, fields), 'patch')) {
     present = before;
     return false;
   }
@@ -156,7 +156,7 @@ export async function restore(id) {
   });
   for (const { data } of row?.snapshots.reverse() ?? []) {
     const snapshot = JSON.parse(await inflate(data, Infinity));
-    if (await replace({ command: 'restore', snapshot }, row)) return true;
+    if (await replace('restore', { snapshot }, row)) return true;
   }
   return false;
 }

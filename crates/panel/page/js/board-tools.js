@@ -31,7 +31,7 @@ export function mountTools(board) {
       return;
     }
     const { element, jack } = into;
-    const refused = refusalOf(await send({ command: isRemoval ? 'unplug' : 'plug', element, jack, from }));
+    const refused = refusalOf(await send(isRemoval ? 'unplug' : 'plug', { element, jack, from }));
     say(refused ?? `${isRemoval ? 'Removed the cord' : 'Plugged a cord'} from ${from} to ${element}.${jack}.`);
     if (!refused) field.value = '';
   }
@@ -76,7 +76,7 @@ export function mountTools(board) {
   async function add(kind) {
     palette.close();
     const before = new Set(state.patch.elements.map(({ name }) => name));
-    const refused = refusalOf(await send({ command: 'add-element', kind, name: null }));
+    const refused = refusalOf(await send('add-element', { kind }));
     await board.render();
     const made = state.patch.elements.find(({ name }) => !before.has(name))?.name;
     say(refused ?? `Added ${made}, ${kind}.`);
@@ -92,7 +92,7 @@ export function mountTools(board) {
     for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
   }
   async function clear() {
-    if (!refusalOf(await send({ command: 'clear-cords' })))
+    if (!refusalOf(await send('clear-cords')))
       toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
   const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };

@@ -124,7 +124,7 @@ export function mountBoard(root) {
     remove({ type, cord, id, name }) {
       const commands = { cord: ['unplug', cord], loose: ['remove-loose', { id }], module: ['remove-element', { name }] };
       const [command, what] = commands[type];
-      send({ command, ...what });
+      send(command, what);
       say(`Removed ${name}. Undo brings it back.`);
     },
   };

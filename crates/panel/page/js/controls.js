@@ -15,7 +15,7 @@ export function press(group, applies) {
 function mountModes() {
   const [modes, text] = [byId('modes'), byId('mode-text')];
   for (const each of modes.children) {
-    each.onclick = () => send({ command: 'mode', mode: each.value });
+    each.onclick = () => send('mode', { mode: each.value });
     bind(each.ariaKeyShortcuts, each.querySelector('.mode-name').textContent, each.onclick);
   }
   on('machine', ({ mode, stopped }) => {
@@ -30,7 +30,7 @@ function mountModes() {
 function mountSpeed() {
   const buttons = [...byId('speed').children];
   const has = ({ value }, speed) => value === String(speed ?? '');
-  for (const each of buttons) each.onclick = () => send({ command: 'speed', factor: Number(each.value) || null });
+  for (const each of buttons) each.onclick = () => send('speed', { factor: Number(each.value) || null });
   const step = (by) => {
     const at = buttons.findIndex((each) => has(each, state.machine?.speed));
     buttons[within(0, (at < 0 ? 1 : at) + by, buttons.length - 1)].click();
@@ -42,7 +42,7 @@ function mountSpeed() {
 
 function mountPause() {
   const pause = byId('pause');
-  pause.onclick = () => send({ command: 'pause', paused: !state.machine?.paused });
+  pause.onclick = () => send('pause', { paused: !state.machine?.paused });
   bind('Space', 'Pause or continue', pause.onclick);
   on('machine', ({ paused }) => { pause.ariaPressed = paused; });
 }
@@ -71,7 +71,7 @@ function mountTime() {
   };
   // The machine forgets the run after the time to which it moves back, so that it moves when the slider is let go.
   scrub.onchange = async () => {
-    await send({ command: 'scrub', time: Number(scrub.value) });
+    await send('scrub', { time: Number(scrub.value) });
     isMoved = false;
   };
   // There is no `change` if the slider is back at its place.
@@ -107,7 +107,7 @@ function numberField(command, argument, otherwise = null) {
   input.onchange = () => {
     const value = parse(input.value);
     input.ariaInvalid = input.value.trim() !== '' && value === null;
-    if (input.ariaInvalid === 'false') send({ command, [argument]: value ?? otherwise });
+    if (input.ariaInvalid === 'false') send(command, { [argument]: value ?? otherwise });
   };
   input.onkeydown = ({ key }) => { if (key === 'Enter' || key === 'Escape') input.blur(); };
   return (value) => { if (document.activeElement !== input && input.ariaInvalid !== 'true') input.value = format(value, 6); };
@@ -127,7 +127,7 @@ function mountTiming() {
 function mountHistory() {
   for (const [id, word, keys] of [['undo', 'Undo', ['Ctrl+Z']], ['redo', 'Redo', ['Ctrl+Y', 'Ctrl+Shift+Z']]]) {
     const step = byId(id);
-    step.onclick = () => { if (step.ariaDisabled !== 'true') send({ command: id }); };
+    step.onclick = () => { if (step.ariaDisabled !== 'true') send(id); };
     for (const key of keys) bind(key, word, step.onclick);
     on('patch', (patch) => {
       // The button keeps the focus when there is nothing left, so it is not `disabled`.

@@ -25,7 +25,7 @@ const attempt = (open) => open().catch((fault) => {
 });
 
 async function openText(name, text, path) {
-  const isOpen = await replace({ command: 'open', name, text }, { path });
+  const isOpen = await replace('open', { name, text }, { path });
   if (isOpen) root.dataset.first = '';
   return isOpen;
 }
@@ -57,7 +57,7 @@ function chooseMachine() {
 }
 
 async function create() {
-  if (await mayReplace() && await replace({ command: 'new', machine: byId('machine').value || null })) setAddress();
+  if (await mayReplace() && await replace('new', { machine: byId('machine').value || null })) setAddress();
 }
 
 /** Gives the user a file. */
@@ -132,7 +132,7 @@ const GALLERY = {
   open: (path) => attempt(async () => {
     if (!await mayReplace() || !await openAt(path)) return;
     setAddress(path);
-    send({ command: 'mode', mode: 'operate' });
+    send('mode', { mode: 'operate' });
   }),
   restore: (id) => attempt(async () => { if (await mayReplace() && await restore(id)) setAddress(); }),
 };
@@ -143,7 +143,7 @@ export async function begin() {
   for (const open of [openLink, resume, openNamed, openGiven]) {
     if (await attempt(open)) return;
   }
-  await replace({ command: 'new', machine: null });
+  await replace('new');
   if (!isNamed) showGallery(GALLERY);
 }
 

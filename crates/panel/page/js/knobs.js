@@ -139,7 +139,7 @@ function switchOn({ control, lines }, { title, view }, set) {
 /** A card with the title of a control, the control, and a button that resets it. */
 function cardOf(control) {
   const { key, place, title, about, view } = control;
-  const set = (value) => send(place.parameter ? { command: 'parameter', name: title, value } : { command: 'setting', ...place, value });
+  const set = (value) => (place.parameter ? send('parameter', { name: title, value }) : send('setting', { ...place, value }));
   const reset = () => set(opened.get(key));
   const parts = template('knob', { title, about });
   const { node, back } = parts;

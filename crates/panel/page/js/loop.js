@@ -24,7 +24,7 @@ function tick(now) {
   const seconds = within(0, (now - last) / 1000, LONGEST);
   last = now;
   isWaiting = true;
-  send({ command: 'advance', seconds }).then(() => { isWaiting = false; });
+  send('advance', { seconds }).then(() => { isWaiting = false; });
 }
 
 /** Starts the clock. */

@@ -63,7 +63,7 @@ function mountTabs() {
 
 function sendViews() {
   const isShown = (id) => !byId(id).hidden && root.dataset.layout !== 'scopes';
-  if (state.host) send({ command: 'views', schematic: isShown('schematic'), equations: isShown('equations') });
+  if (state.host) send('views', { schematic: isShown('schematic'), equations: isShown('equations') });
 }
 
 /** Theme and projector mode, which theme.js keeps. */

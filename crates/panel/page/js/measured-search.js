@@ -58,7 +58,7 @@ export const actions = {
   async plug() {
     const { text, elements } = found.patch;
     byId('tab-board').click();
-    if (refusalOf(await send({ command: 'replace', text }))) return;
+    if (refusalOf(await send('replace', { text }))) return;
     setTimeout(() => elements.forEach((element) => highlight({ element })), DRAWN);
   },
 };

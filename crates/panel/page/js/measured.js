@@ -9,7 +9,7 @@ import { download } from './files.js';
 import { connectComparison } from './link.js';
 import { place, showCurves, view } from './measured-plot.js';
 import { actions, list, showFound, showProgress } from './measured-search.js';
-import { ask, on, refusalOf, send, state } from './state.js';
+import { ask, on, refusalOf, send, sendAll, state } from './state.js';
 
 /** The view. Its data attribute `busy` names the request that takes long, and `file` says that there are columns. */
 const root = byId('measured');
@@ -91,7 +91,7 @@ function knobOf({ name: key, unit, low: min, high: max }, { fit }) {
   const knob = { key, unit, ...template('fit-parameter', { name: key }) };
   knob.fit.checked = fit?.includes(key);
   Object.assign(knob.slider, {
-    min, max, ariaLabel: key, oninput: () => send({ command: 'parameter', name: key, value: Number(knob.slider.value) }),
+    min, max, ariaLabel: key, oninput: () => send('parameter', { name: key, value: Number(knob.slider.value) }),
   });
   return knob;
 }
@@ -121,7 +121,7 @@ const TAKE = {
     waiting.add('simulate');
   },
   curves: showCurves,
-  fitted: ({ parameters }) => send(...Object.entries(parameters).map(([name, value]) => ({ command: 'parameter', name, value }))),
+  fitted: ({ parameters }) => sendAll(Object.entries(parameters).map(([name, value]) => ({ command: 'parameter', name, value }))),
   progress: showProgress,
   found: showFound,
 };

@@ -42,7 +42,7 @@ async function findCorrections() {
   write(byId('checks-text'), 'Searching for corrections…');
   const hints = () => state.findings.map(({ hint }) => hint).join();
   const before = hints();
-  const answer = await send({ command: 'advise' });
+  const answer = await send('advise');
   correct.ariaBusy = false;
   showFindings();
   if (answer.length === 0) return;

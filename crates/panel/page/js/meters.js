@@ -69,7 +69,7 @@ function meterOf(title, connect) {
 
 function mountVoltmeter() {
   let view;
-  const meter = meterOf('Voltmeter', (output) => send({ command: 'meter', output }));
+  const meter = meterOf('Voltmeter', (output) => send('meter', { output }));
   meter.range(100);
   const find = () => { view = state.patch?.outputs.find(({ name }) => name === state.machine?.meter); };
   on('patch', (patch) => {
@@ -87,7 +87,7 @@ function mountVoltmeter() {
 
 function mountNullMeter() {
   let [output, pot] = [null, null];
-  const connect = (change) => send({ command: 'null-meter', ...state.machine.null_meter, ...change });
+  const connect = (change) => send('null-meter', { ...state.machine.null_meter, ...change });
   const meter = meterOf('Null meter', (name) => connect({ output: name }));
   const place = () => {
     pot = output && potCard(output, state.patch);
@@ -102,7 +102,7 @@ function mountNullMeter() {
   byId('null-output').append(meter.outputs);
   byId('null-divider').append(reference.node);
   byId('null-range').onchange = ({ target }) => meter.range(Number(target.value));
-  byId('null-mode').onclick = () => send({ command: 'mode', mode: 'pot-set' });
+  byId('null-mode').onclick = () => send('mode', { mode: 'pot-set' });
   on('machine', ({ mode, null_meter: present }) => {
     byId('null-mode').ariaPressed = mode === 'pot-set';
     reference.show(present.divider);

@@ -76,17 +76,17 @@ export function mountPatching(board) {
     if (goal === fixed || (cord && Object.values(keysOf(cord)).includes(goal.key))) return;
     const [output, input] = want === 'in' ? [fixed, goal] : [goal, fixed];
     if (goal.type !== want) board.bubble(`Both are ${goal.type}puts. A cord goes from an output to an input.`, goal);
-    else if (id !== undefined) send({ command: 'plug-loose', id, to: endOf(goal) });
-    else if (cord) send({ command: 'move-cord', ...cord, to: endOf(goal) });
-    else send({ command: 'plug', from: output.output, ...endOf(input) });
+    else if (id !== undefined) send('plug-loose', { id, to: endOf(goal) });
+    else if (cord) send('move-cord', { ...cord, to: endOf(goal) });
+    else send('plug', { from: output.output, ...endOf(input) });
   }
   /** Leaves the cord where it is dropped. */
   function drop({ x, y }) {
     const { fixed, cord, id } = hand;
     release();
     const at = [Math.round(x), Math.round(y)];
-    if (id === undefined) send({ command: 'loose-cord', end: endOf(fixed), at, ...cord && { replaces: cord } });
-    else send({ command: 'move-loose', id, at });
+    if (id === undefined) send('loose-cord', { end: endOf(fixed), at, ...cord && { replaces: cord } });
+    else send('move-loose', { id, at });
   }
   /** A click or Enter: the first one begins a cord, the second one ends it. A full jack gives its cord. */
   function choose(hit) {

@@ -13,15 +13,15 @@ export function probes() {
     connect(to) {
       const copy = structuredClone(controls);
       copy.channels[index].output = to;
-      send({ command: 'scope', scope, controls: copy });
+      send('scope', { scope, controls: copy });
     },
   })));
   const { meter = null, null_meter: nullMeter } = state.machine ?? {};
   return [...channels,
-    { name: 'Voltmeter', mark: 'V', look: 'meter', output: meter, connect: (output) => send({ command: 'meter', output }) },
+    { name: 'Voltmeter', mark: 'V', look: 'meter', output: meter, connect: (output) => send('meter', { output }) },
     {
       name: 'Null meter', mark: 'N', look: 'meter', output: nullMeter?.output ?? null,
-      connect: (output) => send({ command: 'null-meter', ...nullMeter, output }),
+      connect: (output) => send('null-meter', { ...nullMeter, output }),
     }];
 }
 

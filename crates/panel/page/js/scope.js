@@ -69,7 +69,7 @@ export function mountScope(root, index) {
     auto: () => change((controls) => autoSet(controls, model, voltages(), step)),
     erase: () => {
       trace.erase(performance.now());
-      send({ command: 'erase', scope: index });
+      send('erase', { scope: index });
       schedule();
     },
     svg: saveAs('svg'), png: saveAs('png'), csv: saveAs('csv'),
@@ -83,7 +83,7 @@ export function mountScope(root, index) {
     edit(controls);
     take(controls);
     unanswered += 1;
-    await send({ command: 'scope', scope: index, controls });
+    await send('scope', { scope: index, controls });
     unanswered -= 1;
     synchronise();
   }

@@ -54,11 +54,12 @@ function replaceable(commands) {
 const isAdvance = (/** @type {Job} */ job) => job.commands[0].command === 'advance';
 
 /**
- * Sends commands. Resolves with the events of the answer after the listeners were called; if the link is lost, with
- * no events.
+ * Sends commands in one request. Resolves with the events of the answer after the listeners were called; if the link is
+ * lost, with no events.
+ * @param {{command: string}[]} commands each with its name and its fields
  * @returns {Promise<any[]>}
  */
-export function send(...commands) {
+export function sendAll(commands) {
   const key = replaceable(commands);
   const before = waiting.findLast((job) => !isAdvance(job));
   if (key !== null && before?.key === key) {
@@ -71,6 +72,9 @@ export function send(...commands) {
   return answer;
 }
 
+/** Sends a command with its fields. @returns {Promise<any[]>} as for `sendAll` */
+export const send = (command, fields) => sendAll([{ command, ...fields }]);
+
 /** The event of this name in an answer, if there is one. */
 export const eventOf = (events, name) => events.find(({ event }) => event === name);
 
@@ -78,7 +82,7 @@ export const eventOf = (events, name) => events.find(({ event }) => event === na
 export const refusalOf = (events) => eventOf(events, 'refused')?.message;
 
 /** Sends a command that is answered by an event of the same name. Resolves with this event, if there is one. */
-export const ask = async (command, fields) => eventOf(await send({ command, ...fields }), command);
+export const ask = async (command, fields) => eventOf(await send(command, fields), command);
 
 async function pump() {
   if (isOpen || waiting.length === 0 || !state.host) return;
@@ -122,7 +126,7 @@ export async function open() {
     for (const job of waiting.splice(0)) job.resolve([]);
     emit('link', { connected: false, message });
   });
-  await send({ command: 'hello' });
+  await send('hello');
 }
 
 /** Asks the views to show a place at the panel. */
