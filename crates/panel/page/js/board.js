@@ -2,12 +2,12 @@
 
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
-import { float, minus, partsOf, quantity, shape, stored, svg } from './dom.js';
+import { fixed, float, joined, partsOf, quantity, rateLimiter, shape, stored, svg } from './dom.js';
 import { draw, faceplate } from './faceplate.js';
 import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
 import { mountPatching } from './patching.js';
-import { on, send, state } from './state.js';
+import { on, outputOf, send, state, voltsOf } from './state.js';
 import { Zoom } from './zoom.js';
 
 /** Milliseconds between two changes of the voltages. */
@@ -24,8 +24,9 @@ export function mountBoard(root) {
   let plate = {};
   let drawn = { stops: new Map(), outs: [], lamps: [] };
   let cords = { stops: new Map() };
-  let [notes, index] = [new Map(), new Map()];
-  let [isShown, tipped, current, last, timer] = [false, null, null, 0, 0];
+  let notes = new Map();
+  let [isShown, tipped, current, timer] = [false, null, null, 0];
+  let isDue = rateLimiter(PERIOD);
   const zoom = new Zoom(root, [canvas, live], 20, READABLE, () => showTip(tipped));
 
   const stop = (key) => drawn.stops.get(key) ?? cords.stops.get(key);
@@ -35,12 +36,12 @@ export function mountBoard(root) {
 
   // What a place is, as text.
   function volts(output) {
-    const value = state.frame?.volts[index.get(output)] ?? NaN;
-    return Number.isNaN(value) ? '' : minus(value.toFixed(1));
+    const value = voltsOf(output) ?? NaN;
+    return Number.isNaN(value) ? '' : fixed(value, 1);
   }
   function describe({ type, name, element, view, section, output, key }) {
     const value = volts(output);
-    const { signal, unit, per_volt: perVolt } = state.patch.outputs[index.get(output)] ?? {};
+    const { signal, unit, per_volt: perVolt } = outputOf(output) ?? {};
     const list = (names, word) => (names.length ? `${word} ${names.join(', ')}` : 'no cord');
     const goals = () => board.plugs.filter(({ moves, cord }) => moves === 'in' && cord.from === output)
       .map(({ cord }) => `${cord.element}.${cord.jack}`);
@@ -48,8 +49,8 @@ export function mountBoard(root) {
       in: () => ['input', list(view.cords, 'from'), view.description], out: () => ['output', list(goals(), 'to')],
       module: () => [element.kind, element.note], free: () => [`Free: ${section.title}. Enter adds an element`],
     }[type]?.() ?? [];
-    if (value) what.push(`${value} V`, signal && `${signal} = ${quantity(state.frame.volts[index.get(output)] * perVolt, unit, 3)}`);
-    return [name, ...what, ...notes.get(key) ?? []].filter(Boolean).join(', ');
+    if (value) what.push(`${value} V`, signal && `${signal} = ${quantity(voltsOf(output) * perVolt, unit, 3)}`);
+    return joined([name, ...what, ...notes.get(key) ?? []]);
   }
   const label = (one) => { one.node.ariaLabel = describe(one); };
 
@@ -144,9 +145,10 @@ export function mountBoard(root) {
     cordLayer.replaceChildren(...cords.nodes);
     live.replaceChildren(svg('g', { class: `faceplate ${plate.class}` }, drawn.live));
     stage.style.aspectRatio = `${drawn.width + 40} / ${drawn.height + 40}`;
-    index = new Map(patch.outputs.map((output, position) => [output.name, position]));
     if (cords.nodes.length) cords.nodes[0].tabIndex = 0;
-    [tipped, last] = [null, 0];
+    tipped = null;
+    // The next frame writes the voltages.
+    isDue = rateLimiter(PERIOD);
     zoom.size = drawn;
     zoom.resize();
     mark();
@@ -162,11 +164,10 @@ export function mountBoard(root) {
   on('frame', (frame) => {
     if (!isShown) return;
     for (const lamp of drawn.lamps) {
-      const look = lookOf(frame, index.get(lamp.output));
+      const look = lookOf(frame, lamp.output);
       if (look !== lamp.look) lamp.node.dataset.lamp = lamp.look = look;
     }
-    if (performance.now() - last < PERIOD) return;
-    last = performance.now();
+    if (!isDue()) return;
     for (const out of drawn.outs) {
       const text = volts(out.name);
       if (text !== out.text) out.node.textContent = out.text = text;

@@ -1,6 +1,6 @@
 /** The problem check: every output and derivative in volts, compared with the equations of the patch. */
 
-import { minus, partsOf, quantity, template } from './dom.js';
+import { fixed, partsOf, quantity, template } from './dom.js';
 import { ask, highlight, on } from './state.js';
 
 /** Units of an output and of its derivatives. Seconds are those of the machine. */
@@ -10,14 +10,14 @@ const isWrong = ({ differs, overloaded }) => differs || overloaded;
 
 /** The result of a row in a few words. */
 function resultOf({ expected, differs, overloaded, not_compared: reason }) {
-  if (differs || overloaded) return differs ? '✗ fault' : '✗ overload';
+  if (differs) return '✗ fault';
+  if (overloaded) return '✗ overload';
   return expected === null ? reason ?? 'no equation' : '✓ ok';
 }
 
 function rowNode(row) {
   const { element, order, quantity: name, expected, wired } = row;
-  // Zero has no sign.
-  const volts = (value) => `${minus((Number(value.toFixed(3)) || 0).toFixed(3))}\u202f${UNITS[order]}`;
+  const volts = (value) => `${fixed(value, 3)}\u202f${UNITS[order]}`;
   const { node } = template('check-row', {
     seek: element + '′'.repeat(order), quantity: name, wired: volts(wired), result: resultOf(row),
     // Without the rounding errors of the arithmetic.

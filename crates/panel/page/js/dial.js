@@ -1,6 +1,6 @@
 /** One dial: a knob with a scale, and a field in which its value can be typed exactly. */
 
-import { fill, format, minus, parse, template, within } from './dom.js';
+import { decadeOf, fill, format, hasModifier, minus, parse, roundUp, template, within } from './dom.js';
 import { refusalOf } from './state.js';
 
 /** The angle from the top to an end of the scale of a dial of one turn, in degrees. */
@@ -13,11 +13,6 @@ addEventListener('wheel', (event) => {
   if (!event.target.closest?.('.dial')) scrolled = event.timeStamp;
 }, { passive: true, capture: true });
 
-/** The next 1, 2 or 5 times a power of 10. */
-function roundUp(value) {
-  const decade = 10 ** Math.floor(Math.log10(value));
-  return Number((decade * [1, 2, 5, 10].find((step) => step * decade >= value * 0.999999)).toPrecision(12));
-}
 
 /** A scale. An end that the range does not give is near the value, and `extend` moves it. */
 function scaleOf({ range, whole, digits }) {
@@ -41,7 +36,7 @@ function scaleOf({ range, whole, digits }) {
     },
     position: (value) => within(0, log ? Math.log(value / scale.low) / Math.log(scale.high / scale.low)
       : (value - scale.low) / (scale.high - scale.low), 1),
-    step: () => (whole ? 1 : 10 ** (digits ? -digits : Math.floor(Math.log10((scale.high - scale.low) / 2000)))),
+    step: () => (whole ? 1 : digits ? 10 ** -digits : decadeOf((scale.high - scale.low) / 2000)),
     /** The value at a position, rounded to what the dial resolves. */
     value(position, fine) {
       const { low, high } = scale;
@@ -60,9 +55,9 @@ function drawMarks(path, { log, low, high, position }, isLong) {
   if (!log) return;
   const [dashes, width] = [[], isLong ? 0.006 : 0.003];
   let end = 0;
-  for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; decade += 1) {
+  for (let decade = decadeOf(low); decade < high * 1.001; decade *= 10) {
     for (let factor = 1; factor < (isLong ? 2 : 10); factor += 1) {
-      const value = factor * 10 ** decade;
+      const value = factor * decade;
       if (value < low * 0.999 || value > high * 1.001) continue;
       const start = within(0, position(value) - width / 2, 1 - width);
       dashes.push(start - end, width);
@@ -213,7 +208,7 @@ export function dial(options) {
       const by = {
         ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1
       }[event.key];
-      if (!by || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (!by || hasModifier(event)) return;
       event.preventDefault();
       nudge(by, event.shiftKey);
     },

@@ -28,6 +28,40 @@ export function svg(tag, attributes, ...children) {
   return fill(document.createElementNS(SVG, tag), attributes, children);
 }
 
+/** The texts that are there, in one. */
+export const joined = (texts, separator = ', ') => texts.filter(Boolean).join(separator);
+
+/** The first of a list that has a name. */
+export const named = (list, name) => list?.find((each) => each.name === name);
+
+/** Makes a function that returns whether its argument differs from that of its last call, as JSON. */
+export function changeDetector() {
+  let last;
+  return (value) => last !== (last = JSON.stringify(value));
+}
+
+/** Makes a function that returns whether so many milliseconds have passed since it returned true. */
+export function rateLimiter(period) {
+  let due = 0;
+  return (now = performance.now()) => {
+    const isDue = now >= due;
+    if (isDue) due = now + period;
+    return isDue;
+  };
+}
+
+/** Whether a key is pressed together with one that makes it a command of the browser. */
+export const hasModifier = ({ ctrlKey, metaKey, altKey }) => ctrlKey || metaKey || altKey;
+
+/** The power of 10 that is at most the value. */
+export const decadeOf = (value) => 10 ** Math.floor(Math.log10(value));
+
+/** The next 1, 2 or 5 times a power of 10. */
+export function roundUp(value) {
+  const decade = decadeOf(value);
+  return Number((decade * [1, 2, 5, 10].find((step) => step * decade >= value * 0.999999)).toPrecision(12));
+}
+
 /** The value, or the end of the range that is nearest. */
 export const within = (low, value, high) => Math.min(high, Math.max(low, value));
 
@@ -42,10 +76,11 @@ export function stored(name, value) {
   return localStorage.getItem(`patchcord.${name}`);
 }
 
-/** Hides the nodes that do not have all words of a text. */
+/** Hides the nodes that do not have all words of a text. Returns how many are shown. */
 export function filter(nodes, text) {
   const words = text.toLowerCase().split(/\s+/);
   for (const node of nodes) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
+  return [...nodes].filter(({ hidden }) => !hidden).length;
 }
 
 /** The parts of an element by the names in `data-part`. @returns {Record<string, any>} */
@@ -91,6 +126,9 @@ export function format(number, digits = 4) {
 
 /** A text of a number with a true minus sign. */
 export const minus = (text) => text.replace(/^-/, '−');
+
+/** A number with so many decimals. Zero has no sign. */
+export const fixed = (value, decimals) => minus((Number(value.toFixed(decimals)) || 0).toFixed(decimals));
 
 /** A number for reading, with its unit: "−1.5 m", "1.2·10⁻⁷ kg", "20 µs". The unit "1" is left out. */
 export function quantity(value, unit = '', digits = 4) {

@@ -1,6 +1,6 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { button, el, fill, partsOf, quantity } from './dom.js';
+import { button, changeDetector, el, fill, named, partsOf, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { ask, emit, highlight, on, state } from './state.js';
@@ -14,9 +14,8 @@ const PRIMES = ['', '′', '″', '‴'];
 /** What a name in an equation is: `{output}`, `{parameter}`, or nothing. */
 function meaning(name) {
   const { parameters = [], signals, outputs } = state.patch ?? {};
-  if (parameters.some((each) => each.name === name)) return { parameter: name };
-  const output = signals?.find((each) => each.name === name)?.at
-    ?? outputs?.find((each) => [name, `${name}.out`].includes(each.name))?.name;
+  if (named(parameters, name)) return { parameter: name };
+  const output = named(signals, name)?.at ?? (named(outputs, name) ?? named(outputs, `${name}.out`))?.name;
   return output && { output };
 }
 
@@ -154,15 +153,12 @@ export function mountEquations(root) {
     stated.replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
   };
   // A knob that is turned changes no name, so that the buttons stay and keep the focus.
-  let drawn = '';
-  const refresh = () => {
+  const hasOtherContent = changeDetector();
+  on('equations findings patch', () => {
     const { patch, equations, findings } = state;
     const names = ['parameters', 'signals', 'outputs'].map((list) => patch?.[list].map(({ name, at }) => [name, at]));
-    const text = JSON.stringify([equations, names, findings]);
-    if (text !== drawn) show();
-    drawn = text;
-  };
-  on('equations findings patch', refresh);
+    if (hasOtherContent([equations, names, findings])) show();
+  });
   const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
   const leave = () => emit('pointed', {});
   fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });

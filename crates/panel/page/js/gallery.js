@@ -59,9 +59,8 @@ function keptCard({ id, title, file, time, path }, all, restore) {
 
 /** Shows the cards that have all words. */
 search.oninput = () => {
-  filter(body.querySelectorAll('li'), search.value);
-  for (const section of body.children) section.hidden = !section.querySelector('li:not([hidden])');
-  status.textContent = search.value.trim() && `${body.querySelectorAll('li:not([hidden])').length} found`;
+  const count = filter(body.querySelectorAll('li'), search.value);
+  status.textContent = search.value.trim() && `${count} found`;
 };
 
 /** Opens the gallery. @param {{open: (path: string) => void, restore: (id: string) => void}} actions */

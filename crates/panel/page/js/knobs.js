@@ -1,8 +1,8 @@
 /** The controls of the patch: parameters, pots, switches, initial conditions and other settings. */
 
 import { dial } from './dial.js';
-import { byId, filter, template, write } from './dom.js';
-import { highlight, on, refusalOf, send, state } from './state.js';
+import { byId, changeDetector, filter, named, template, write } from './dom.js';
+import { highlight, on, outputOf, refusalOf, send, state } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
 const FILTERED = 12;
@@ -35,15 +35,14 @@ function isShown({ kind }, { form, name, text }) {
 }
 
 /** The control of a setting. */
-function ofSetting(element, view, patch) {
+function ofSetting(element, view) {
   const place = { element: element.name, setting: view.name };
   const isPot = view.name === 'setting';
-  const output = patch.outputs.find(({ name }) => name === element.outputs[0]);
   return {
     key: keyOf(place), place, view,
     title: isPot || view.form === 'flag' ? element.name : `${element.name} ${view.name}`,
     about: element.note || (isPot ? '' : view.description),
-    unit: { 'unit of the scale': output?.unit, 'whole number': '' }[view.unit] ?? view.unit,
+    unit: { 'unit of the scale': outputOf(element.outputs[0])?.unit, 'whole number': '' }[view.unit] ?? view.unit,
   };
 }
 
@@ -54,7 +53,7 @@ function take(patch) {
     return { key: keyOf(place), place, view, title: view.name, about: view.description, unit: view.unit };
   });
   controls = [...parameters, ...patch.elements.flatMap((element) => element.settings.filter((view) => isShown(element, view))
-    .map((view) => ofSetting(element, view, patch)))];
+    .map((view) => ofSetting(element, view)))];
   const file = `${patch.file}\n${patch.title}`;
   if (patch.undo === null || file !== openedFile) opened.clear();
   if (file !== openedFile) unlocked.clear();
@@ -160,11 +159,11 @@ function cardOf(control) {
 /** A second control for the pot with this output, if there is such a pot. */
 export function potCard(output, patch) {
   const element = patch.elements.find(({ outputs }) => outputs.includes(output));
-  const settingOf = (one) => one?.settings.find(({ name }) => name === 'setting');
-  if (!settingOf(element)) return null;
-  const { node, update } = cardOf(ofSetting(element, settingOf(element), patch));
+  const setting = named(element?.settings, 'setting');
+  if (!setting) return null;
+  const { node, update } = cardOf(ofSetting(element, setting));
   const refresh = (present) => {
-    const view = settingOf(present.elements.find(({ name }) => name === element.name));
+    const view = named(named(present.elements, element.name)?.settings, 'setting');
     if (view) update(view, present);
   };
   refresh(patch);
@@ -174,7 +173,7 @@ export function potCard(output, patch) {
 /** Shows the controls of the patch. */
 export function mountKnobs() {
   const [search, root] = [byId('knob-filter'), byId('knob-groups')];
-  let drawn = '';
+  const hasOtherControls = changeDetector();
   const build = () => {
     cards.clear();
     for (const control of controls) cards.set(control.key, cardOf(control));
@@ -190,16 +189,11 @@ export function mountKnobs() {
   };
   search.oninput = () => {
     filter(root.querySelectorAll('.knob'), search.value);
-    for (const group of root.children) {
-      group.hidden = !group.querySelector('.knob:not([hidden])');
-      group.open ||= search.value;
-    }
+    for (const group of root.children) group.open ||= search.value;
   };
   on('patch', (patch) => {
     // Cards are kept while their controls are the same: a dial that is being turned must stay.
-    const form = JSON.stringify(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]));
-    if (form !== drawn) build();
-    drawn = form;
+    if (hasOtherControls(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]))) build();
     for (const { key, view } of controls) cards.get(key).update(view, patch);
   });
   on('highlight', (to) => show([...cards.values()].filter(({ place: { parameter, element, setting } }) =>

@@ -3,7 +3,7 @@
 import { mountBoard } from './board.js';
 import { mountCheck } from './check.js';
 import { mountControls, press } from './controls.js';
-import { byId, root, stored } from './dom.js';
+import { byId, joined, named, root, stored } from './dom.js';
 import { mountEquations } from './equations.js';
 import { mountFiles, begin } from './files.js';
 import { bind, startKeys } from './keys.js';
@@ -87,10 +87,9 @@ function mountTitle() {
   on('patch', ({ title, file, source, note, machine }) => {
     const name = title || file || 'New patch';
     byId('title').textContent = byId('title').title = name;
-    const type = state.hello?.machines.find((each) => each.name === machine)?.title || machine;
-    byId('subtitle').textContent = [file, type].filter((text) => text && text !== name).join(' · ');
-    byId('about').hidden = !(note || source);
-    byId('about-text').textContent = [note, source].filter(Boolean).join('\n\n');
+    const type = named(state.hello?.machines, machine)?.title || machine;
+    byId('subtitle').textContent = joined([file !== name && file, type], ' · ');
+    byId('about-text').textContent = joined([note, source], '\n\n');
     document.title = `${name} – patchcord`;
   });
 }

@@ -1,6 +1,6 @@
 /** Findings of the checker, refusals, and the state of the connection. */
 
-import { byId, float, root, template, write } from './dom.js';
+import { byId, float, joined, root, template, write } from './dom.js';
 import { highlight, on, send, state } from './state.js';
 
 /** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
@@ -9,7 +9,7 @@ const SHOWN_PER_LETTER = 40;
 
 /** The name of a place: "A3 x10", "parameter M". */
 export function placeName({ element, jack, setting, parameter }) {
-  return parameter ? `parameter ${parameter}` : [element, jack ?? setting].filter(Boolean).join(' ');
+  return parameter ? `parameter ${parameter}` : joined([element, jack ?? setting], ' ');
 }
 
 function findingItem({ code, severity, message, hint, place }) {
@@ -27,7 +27,7 @@ function count(number, word) {
 
 function showFindings() {
   const errors = state.findings.filter(({ severity }) => severity === 'error').length;
-  const summary = [count(errors, 'error'), count(state.findings.length - errors, 'warning')].filter(Boolean).join(', ');
+  const summary = joined([count(errors, 'error'), count(state.findings.length - errors, 'warning')]);
   byId('findings').replaceChildren(...state.findings.map(findingItem));
   byId('correct').hidden = !state.findings.some(({ code }) => code.startsWith('equation-'));
   byId('checks').dataset.worst = errors ? 'error' : summary ? 'warning' : 'none';

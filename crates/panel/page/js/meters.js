@@ -1,10 +1,10 @@
 /** The voltmeter and the null meter: moving-coil instruments, each with a reading in digits. */
 
 import { dial } from './dial.js';
-import { byId, fill, format, minus, quantity, template, within, write } from './dom.js';
+import { byId, changeDetector, fill, fixed, format, minus, quantity, rateLimiter, template, within, write } from './dom.js';
 import { potCard } from './knobs.js';
 import { fillOutputs } from './probes.js';
-import { on, selectProbe, send, state } from './state.js';
+import { on, outputOf, selectProbe, send, state } from './state.js';
 
 /** The angle from the middle to an end of a scale, in degrees. */
 const SWEEP = 45;
@@ -14,7 +14,7 @@ const DIGITS = 120;
 /** Volts with five digits, of which at most four are decimals. */
 function fiveDigits(volts) {
   const before = Math.max(1, Math.floor(Math.log10(Math.abs(volts) || 1)) + 1);
-  return minus(`${volts < 0 ? '' : '+'}${volts.toFixed(5 - before)} V`);
+  return `${volts < 0 ? '' : '+'}${fixed(volts, 5 - before)} V`;
 }
 
 /**
@@ -23,7 +23,8 @@ function fiveDigits(volts) {
  */
 function meterOf(title, connect) {
   const { node, needle, digits, volts, more, outputs, list, probe } = template('meter');
-  let [full, drawn, last, connected] = [1, '', 0, ''];
+  const [hasOtherOutputs, isDue] = [changeDetector(), rateLimiter(DIGITS)];
+  let [full, connected] = [1, ''];
   digits.ariaLabel = title;
   list.ariaLabel = `Output at the ${title.toLowerCase()}`;
   list.onchange = () => connect(list.value || null);
@@ -42,9 +43,7 @@ function meterOf(title, connect) {
     },
     /** Shows the outputs of the patch. Returns whether they have changed. */
     update(patch) {
-      const form = JSON.stringify(patch.outputs.map(({ name, signal }) => [name, signal]));
-      if (form === drawn) return false;
-      drawn = form;
+      if (!hasOtherOutputs(patch.outputs.map(({ name, signal }) => [name, signal]))) return false;
       fillOutputs(list, patch, 'not connected');
       list.value = connected;
       return true;
@@ -55,9 +54,7 @@ function meterOf(title, connect) {
     },
     show(value, words) {
       needle.style.transform = `rotate(${SWEEP * within(-1.06, value / full || 0, 1.06)}deg)`;
-      const now = performance.now();
-      if (now - last < DIGITS) return;
-      last = now;
+      if (!isDue()) return;
       const isKnown = Number.isFinite(value);
       write(volts, isKnown ? fiveDigits(value) : '– V');
       write(more, isKnown ? words(value) : '');
@@ -68,20 +65,14 @@ function meterOf(title, connect) {
 }
 
 function mountVoltmeter() {
-  let view;
   const meter = meterOf('Voltmeter', (output) => send('meter', { output }));
   meter.range(100);
-  const find = () => { view = state.patch?.outputs.find(({ name }) => name === state.machine?.meter); };
-  on('patch', (patch) => {
-    meter.update(patch);
-    find();
-  });
-  on('machine', ({ meter: output }) => {
-    meter.at(output);
-    find();
-  });
-  on('frame', (frame) => meter.show(frame.meter, (volts) =>
-    (view?.signal ? `${view.signal} ${quantity(volts * view.per_volt, view.unit, 5)}` : '')));
+  on('patch', meter.update);
+  on('machine', (machine) => meter.at(machine.meter));
+  on('frame', (frame) => meter.show(frame.meter, (volts) => {
+    const { signal, per_volt: perVolt, unit } = outputOf(state.machine.meter) ?? {};
+    return signal ? `${signal} ${quantity(volts * perVolt, unit, 5)}` : '';
+  }));
   byId('voltmeter').append(meter.node);
 }
 

@@ -1,7 +1,7 @@
 /** Probes: where they are, and the menu that places them. */
 
 import { button, byId, el, float, quantity } from './dom.js';
-import { isProbing, probed, send, state } from './state.js';
+import { isProbing, outputOf, probed, send, state } from './state.js';
 
 /**
  * All probes of scopes and meters, with their outputs and a function that connects them.
@@ -29,7 +29,7 @@ export function probes() {
 export const nameOf = ({ name, signal }) => (signal && signal !== name ? `${signal} at ${name}` : name);
 
 /** The same for the name of an output. */
-export const outputName = (output) => nameOf(state.patch?.outputs.find(({ name }) => name === output) ?? { name: output });
+export const outputName = (name) => nameOf(outputOf(name) ?? { name });
 
 /** Volts, and what they stand for: "20 V/div = 4 m/div". `per` is "/div" or empty. */
 export function reading(volts, { signal, unit, per_volt: perVolt }, per = '', digits = 4) {

@@ -1,10 +1,10 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { fill, minus, partsOf, shape, svg, within, write } from './dom.js';
+import { fill, fixed, hasModifier, joined, named, partsOf, rateLimiter, shape, svg, within, write } from './dom.js';
 import { lookOf } from './lamps.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
-import { emit, highlight, on, state } from './state.js';
+import { emit, highlight, on, outputOf, state, voltsOf } from './state.js';
 import { ahead, ARROWS, cheapest, Zoom } from './zoom.js';
 
 /** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
@@ -60,32 +60,29 @@ function outputNode({ name, from: [left, y], at: [right] }) {
 }
 
 /** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
-function voltsText(volts) {
-  const text = minus(volts.toFixed(2));
-  return Math.abs(volts) < 0.005 ? '0.00' : (volts > 0 ? '+' : '') + text;
-}
+const voltsText = (volts) => (volts < 0.005 ? '' : '+') + fixed(volts, 2);
 
 /** Shows the schematic. @param {HTMLElement} root */
 export function mountSchematic(root) {
   const { picture, nets, symbols, outputs, marks, info, message } = partsOf(root);
   const zoom = new Zoom(root, [picture], 0, READABLE);
 
-  /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
+  /** The drawing, and what belongs to each output: `{output, element, net, nodes, x, y, text, level, lamp}`. */
   let drawing = null;
   let cells = new Map();
-  let [lit, last, focused] = [null, 0, null];
+  let [lit, focused] = [null, null];
 
   // Values.
 
+  const isDue = rateLimiter(SHOWN);
   const valueText = (name) => {
-    const { index } = cells.get(name) ?? {};
-    const volts = state.frame?.volts[index];
-    return volts === undefined ? '' : reading(volts, state.patch.outputs[index]);
+    const volts = voltsOf(name);
+    return volts === undefined ? '' : reading(volts, outputOf(name));
   };
   const showInfo = () => {
     const cell = cells.get(lit);
     const to = cell?.net?.to.map((end) => end.join(' ')).join(', ');
-    write(info, cell ? [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  ') : '');
+    write(info, cell ? joined([outputName(lit), valueText(lit), to && `to ${to}`], '  ·  ') : '');
   };
   const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
   /** Writes what has changed. */
@@ -95,15 +92,13 @@ export function mountSchematic(root) {
     if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
   };
   on('frame', (frame) => {
-    const now = performance.now();
-    if (now - last < SHOWN || !picture.clientWidth) return;
-    last = now;
+    if (!picture.clientWidth || !isDue()) return;
     const scale = full();
-    for (const cell of cells.values()) {
-      const value = frame.volts[cell.index];
+    for (const [name, cell] of cells) {
+      const value = voltsOf(name);
       if (value === undefined) continue;
       const steps = Math.min(LEVELS, Math.ceil(Math.abs(value) / scale * LEVELS - 0.04));
-      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp: lookOf(frame, cell.index) });
+      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp: lookOf(frame, name) });
     }
     showInfo();
   });
@@ -132,7 +127,7 @@ export function mountSchematic(root) {
     for (const [each, { nodes }] of cells) nodes.output.tabIndex = each === name ? 0 : -1;
     focused = name;
   };
-  const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
+  const openKnob = (element, setting = named(state.patch?.elements, element)?.settings[0]?.name) => {
     if (setting) highlight({ element, setting });
   };
   /** The output next to a finger, which is not as precise as a pointer. */
@@ -153,7 +148,7 @@ export function mountSchematic(root) {
       if (!cell) return;
       rove(name);
       const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
-      cell.nodes.output.ariaLabel = [outputName(name), valueText(name), ...said].filter(Boolean).join(', ');
+      cell.nodes.output.ariaLabel = joined([outputName(name), valueText(name), ...said]);
       zoom.reveal(cell);
       point(name);
     },
@@ -169,7 +164,7 @@ export function mountSchematic(root) {
   fill(root, {
     onkeydown(event) {
       const { key, target } = event;
-      if (event.ctrlKey || event.metaKey || event.altKey || target.closest('button')) return;
+      if (hasModifier(event) || target.closest('button')) return;
       const node = target.closest('.output');
       const names = [...cells.keys()];
       const pick = () => choose(focused, node);
@@ -190,7 +185,7 @@ export function mountSchematic(root) {
   let [ring, timer] = [null, 0];
   /** The area of an element, or its jack. */
   const spot = ({ element, jack }) => {
-    const symbol = drawing?.symbols.find(({ name }) => name === element);
+    const symbol = named(drawing?.symbols, element);
     const at = symbol?.inputs.find((each) => each.jack === jack)?.at;
     return symbol && { at, area: at ? [...at, ...at] : symbol.area };
   };
@@ -233,10 +228,6 @@ export function mountSchematic(root) {
     timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
   });
 
-  const index = () => {
-    const names = state.patch?.outputs.map(({ name }) => name) ?? [];
-    for (const [name, cell] of cells) cell.index = names.indexOf(name);
-  };
   const draw = () => {
     const had = hasFocus();
     symbols.replaceChildren();
@@ -257,7 +248,6 @@ export function mountSchematic(root) {
     cells = new Map(made.map((cell) => [cell.output.name, cell]));
     nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
     outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
-    index();
     rove(cells.has(focused) ? focused : made[0]?.output.name);
     if (had) go(focused);
     else light(lit);
@@ -273,5 +263,4 @@ export function mountSchematic(root) {
     if (isOther) zoom.fit(READABLE);
     draw();
   });
-  on('patch', index);
 }

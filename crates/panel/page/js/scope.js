@@ -1,6 +1,6 @@
 /** A storage oscilloscope of the page: screen, controls, cursors, trigger level. */
 
-import { fill, quantity, template, within, write } from './dom.js';
+import { changeDetector, fill, joined, quantity, template, within, write } from './dom.js';
 import { nameOf, reading } from './probes.js';
 import { mountControls, setPosition } from './scope-controls.js';
 import { save } from './scope-export.js';
@@ -8,19 +8,21 @@ import { ACROSS, scales, UP } from './scope-grid.js';
 import { mountMark, placeMark } from './scope-marks.js';
 import { Screen } from './scope-screen.js';
 import { Trace } from './scope-trace.js';
-import { on, selectProbe, send, state } from './state.js';
+import { on, outputOf, selectProbe, send, state, voltsOf } from './state.js';
 
 /** Milliseconds between two text alternatives, and between two readings of the cursors. */
 const [TEXT, READING] = [1000, 100];
 /** Pixels of a wheel for one step. */
 const NOTCH = 60;
+/** Where a spot that is not on the screen is. */
+const OUTSIDE = [-99, -99];
 
-/** Chooses scales so that the traces fill the screen. `present` has the voltages now. */
-function autoSet(controls, { outputs, trace }, present, step) {
+/** Chooses scales so that the traces, or the present voltages without traces, fill the screen. */
+function autoSet(controls, { outputs, trace }, step) {
   const isTime = controls.display === 'time';
   controls.channels.forEach((each, channel) => {
     let [low, high] = trace.extent(channel);
-    if (low > high) low = high = present[channel];
+    if (low > high) low = high = voltsOf(outputs[channel]?.name);
     if (!outputs[channel] || !Number.isFinite(low)) return;
     const size = Math.max(Math.abs(low), Math.abs(high), 1e-3);
     // A trace on both sides of 0 V, or nearly constant, keeps 0 V in the middle.
@@ -40,13 +42,13 @@ export function mountScope(root, index) {
   const trace = new Trace();
   const model = { controls: null, outputs: [], lit: [false, false], span: 1, trace };
   const cursors = [[0.25, 0.6], [0.75, 0.4]];
+  const [hasOtherAxes, hasOtherOutputs, hasOtherLamps] = [changeDetector(), changeDetector(), changeDetector()];
   let [active, wheel, unanswered, textAt, readAt, frameAt] = [0, 0, 0, 0, 0, 0];
-  let [isScheduled, isMoving, hasCursors] = [false, false, false];
-  /** Indices of the channels' outputs, and the outputs that the lists have, as text. */
-  let [places, shown] = [[], ''];
+  /** Whether a picture is requested, the machine moves, and the lists have the outputs of another patch. */
+  let [isScheduled, isMoving, isOtherPatch] = [false, false, false];
 
   const parts = template('scope');
-  const { node, box, picture, readout } = parts;
+  const { node, box, picture, readout, hasCursors } = parts;
   const screen = new Screen(box, model);
   const spots = box.querySelectorAll('.scope-spot');
   const [first, second, level] = box.querySelectorAll('[role=slider]');
@@ -59,20 +61,16 @@ export function mountScope(root, index) {
     trigger.level = Number(voltsAt(trigger.channel, y).toPrecision(4));
   }), () => [1, levelShare()]);
 
-  const saveAs = (kind) => () => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`);
   const { step, update } = mountControls(parts, model, change, {
     place: (channel) => selectProbe((output) => change(({ channels }) => { channels[channel].output = output; })),
-    cursors: (are) => {
-      hasCursors = are;
-      refresh();
-    },
-    auto: () => change((controls) => autoSet(controls, model, voltages(), step)),
+    cursors: refresh,
+    auto: () => change((controls) => autoSet(controls, model, step)),
     erase: () => {
       trace.erase(performance.now());
       send('erase', { scope: index });
       schedule();
     },
-    svg: saveAs('svg'), png: saveAs('png'), csv: saveAs('csv'),
+    save: (kind) => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`),
   });
   root.append(node);
 
@@ -90,12 +88,10 @@ export function mountScope(root, index) {
 
   /** Takes over controls. The screen is erased if its traces do not belong to them. */
   function take(controls) {
-    const kind = ({ display, seconds_per_division: seconds, channels }) =>
-      [display, seconds, ...channels.map(({ output }) => output)].join();
-    const before = model.controls;
+    const { display, seconds_per_division: seconds, channels } = controls;
     model.controls = controls;
-    if (!before || kind(controls) !== kind(before)) {
-      if (before) trace.erase(performance.now());
+    if (hasOtherAxes([display, seconds, channels.map(({ output }) => output)])) {
+      trace.erase(performance.now());
       screen.resize();
     }
     refresh();
@@ -105,21 +101,18 @@ export function mountScope(root, index) {
     const { controls } = model;
     if (!controls) return;
     const { patch } = state;
-    const others = shown !== (shown = outputsText());
-    places = controls.channels.map(({ output }) => patch?.outputs.findIndex(({ name }) => name === output));
-    model.outputs = places.map((place) => patch?.outputs[place]);
+    model.outputs = controls.channels.map(({ output }) => outputOf(output));
     model.title = `${patch?.title || patch?.file || 'patch'}, scope ${index + 1}`;
     model.span = spanOf(controls);
     screen.isStale = true;
-    update(controls, others ? patch : null);
+    update(controls, isOtherPatch && patch);
+    isOtherPatch = false;
     // A screen that is out of sight is not painted, and has a text nevertheless.
     describe(performance.now());
     schedule();
   }
 
-  const outputsText = () => JSON.stringify([state.patch?.outputs, state.patch?.title]);
   const spanOf = (controls) => ACROSS * controls.seconds_per_division || state.machine?.sweep || 1;
-  const voltages = () => places.map((place) => state.frame?.volts[place] ?? NaN);
 
   function schedule() {
     if (!isScheduled) requestAnimationFrame(paint);
@@ -130,12 +123,11 @@ export function mountScope(root, index) {
     isScheduled = false;
     const { controls } = model;
     if (!controls || screen.view.width < 20) return;
-    if (screen.isStale || (hasCursors && now - readAt > READING)) read(now);
+    if (screen.isStale || (hasCursors.checked && now - readAt > READING)) read(now);
     screen.draw();
     spots.forEach((spot, channel) => {
-      const at = isMoving && screen.spot(channel);
-      spot.hidden = !at;
-      if (at) spot.style.translate = at.map((each) => `${each}px`).join(' ');
+      const [x, y] = (isMoving && screen.spot(channel)) || OUTSIDE;
+      spot.style.translate = `${x}px ${y}px`;
     });
     if (now - textAt > TEXT) describe(now);
   }
@@ -160,11 +152,8 @@ export function mountScope(root, index) {
     const { controls: { display, trigger }, outputs, span } = model;
     const { view } = screen;
     const isPlane = display === 'plane';
-    level.hidden = isPlane || trigger.mode === 'run';
-    level.dataset.channel = String(trigger.channel + 1);
     placeMark(level, view, [1, levelShare()], levelShare(), quantity(trigger.level, 'V'));
-    for (const each of [readout, ...marks]) each.hidden = !hasCursors;
-    if (!hasCursors) return;
+    if (!hasCursors.checked) return;
     const differences = (name, from, to, text) => [name, text(from), text(to), text(to - from)];
     const rows = outputs.map((output, channel) => {
       const values = cursors.map((place) => (isPlane ? voltsAt(channel, place[channel]) : trace.valueAt(channel, place[0])));
@@ -180,8 +169,7 @@ export function mountScope(root, index) {
     });
     marks.forEach((mark, at) => {
       const [right, top] = cursors[at];
-      mark.classList.toggle('scope-cross', isPlane);
-      mark.style.height = isPlane ? '' : `${view.up}px`;
+      mark.style.height = `${view.up}px`;
       const values = rows.filter(Boolean).map((texts) => `${texts[0]} ${texts[at + 1]}`);
       placeMark(mark, view, [right, isPlane ? top : 1], right, values.join(', '));
     });
@@ -191,11 +179,10 @@ export function mountScope(root, index) {
   function describe(now) {
     textAt = now;
     const { controls, outputs, lit, span } = model;
-    const volts = voltages();
-    const texts = outputs.map((output, channel) => output && [`${nameOf(output)}: ${reading(volts[channel], output)}`,
-      reading(controls.channels[channel].volts_per_division, output, '/div'), lit[channel] && 'overloaded'].filter(Boolean).join(', '));
+    const texts = outputs.map((output, channel) => output && joined([`${nameOf(output)}: ${reading(voltsOf(output.name), output)}`,
+      reading(controls.channels[channel].volts_per_division, output, '/div'), lit[channel] && 'overloaded']));
     const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${quantity(span / ACROSS, 's', 3)}/div`;
-    picture.ariaLabel = `Scope ${index + 1}, ${kind}. ${texts.filter(Boolean).join('. ') || 'No probe'}`;
+    picture.ariaLabel = `Scope ${index + 1}, ${kind}. ${joined(texts, '. ') || 'No probe'}`;
   }
 
   fill(node, { onfocusin: ({ target }) => { active = Number(target.parentElement.dataset.channel ?? active); } });
@@ -229,7 +216,10 @@ export function mountScope(root, index) {
   }
 
   // A knob changes the patch sixty times a second. Only other outputs concern the scope.
-  on('patch', () => { if (outputsText() !== shown) refresh(); });
+  on('patch', ({ outputs, title }) => {
+    isOtherPatch ||= hasOtherOutputs([outputs, title]);
+    if (isOtherPatch) refresh();
+  });
   on('machine', () => { if (model.controls && spanOf(model.controls) !== model.span) refresh(); });
   on('scopes', synchronise);
   on('frame', (frame) => {
@@ -238,11 +228,8 @@ export function mountScope(root, index) {
     isMoving = frame.moves && !frame.paused;
     if (isMoving) trace.clock += Math.min(0.1, (now - frameAt) / 1000);
     frameAt = now;
-    places.forEach((place, channel) => {
-      const isLit = Boolean(frame.lamps[place]);
-      if (isLit !== model.lit[channel]) trace.version += 1;
-      model.lit[channel] = isLit;
-    });
+    model.lit = model.outputs.map((output) => frame.lamps[state.numbers.get(output?.name)] === 1);
+    if (hasOtherLamps(model.lit)) trace.version += 1;
     const data = frame.scopes[index];
     if (data.display === model.controls.display) trace.take(data, model.span, model.controls.store, now);
     schedule();

@@ -6,6 +6,8 @@ import { connect } from './link.js';
 /** The latest data of each event. */
 export const state = {
   hello: null, patch: null, findings: [], machine: null, scopes: [], schematic: null, equations: null, frame: null,
+  /** The numbers of the outputs in frames, by their names. @type {Map<string, number>} */
+  numbers: new Map(),
   /** @type {import('./link.js').Link | null} */
   host: null,
 };
@@ -105,8 +107,10 @@ function receive({ text, frame }) {
   const { events } = JSON.parse(text);
   for (const { event, ...data } of events) {
     if (event in state) state[event] = LISTS.includes(event) ? data[event] : data;
+    if (event !== 'patch') continue;
     // Voltages belong to one patch: those of the last one would be shown at the wrong outputs.
-    if (event === 'patch') state.frame = null;
+    state.frame = null;
+    state.numbers = new Map(data.outputs.map(({ name }, number) => [name, number]));
   }
   for (const { event, ...data } of events) emit(event, data);
   if (frame) {
@@ -115,6 +119,12 @@ function receive({ text, frame }) {
   }
   return events;
 }
+
+/** The output with this name in the patch, if there is one. */
+export const outputOf = (name) => state.patch?.outputs[state.numbers.get(name)];
+
+/** The volts of an output in the latest frame, if they are known. */
+export const voltsOf = (name) => state.frame?.volts[state.numbers.get(name)];
 
 /** Connects to the host. Rejects if there is none. */
 export async function open() {
