@@ -109,7 +109,7 @@ export async function keep() {
   return isKept();
 }
 
-export const isKept = () => kept === changes;
+const isKept = () => kept === changes;
 
 /** Whether the patch on the panel differs from its file. */
 export const isChanged = () => present !== null && state.patch.revision !== present.saved;

@@ -9,7 +9,7 @@ import { refusalOf, send, state } from './state.js';
 /** @param {any} board what board.js has */
 export function mountTools(board) {
   const { root, say } = board;
-  const { canvas, line, field, names, slider, choice, lock, palette, search, list } = board.parts;
+  const { canvas, changes, line, field, names, slider, choice, lock, palette, search, list } = board.parts;
 
   /** What a name can be: an output, an input by its name or its label, or an element with one input. */
   function named(text) {
@@ -87,9 +87,7 @@ export function mountTools(board) {
   function setLock(isOn) {
     say('');
     canvas.dataset.lock = stored('board.lock', isOn);
-    lock.ariaPressed = isOn;
-    lock.textContent = isOn ? 'Unlock' : 'Lock';
-    for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
+    changes.disabled = lock.ariaPressed = isOn;
   }
   async function clear() {
     if (!refusalOf(await send('clear-cords')))

@@ -64,14 +64,13 @@ export function mountBoard(root) {
     tip.hidden = !one;
     if (!one) return;
     tipText.textContent = describe(one);
-    tipButton.hidden = !canRemove || !['cord', 'module', 'loose'].includes(one.type) || board.isLocked();
+    tipButton.hidden = !canRemove || !['cord', 'module', 'loose'].includes(one.type);
     put(tip, one);
   }
   /** Shows what the pointer is on; without it, what has the focus. */
   function hover(one, seen = one ?? (hasFocus() ? current : null)) {
     if (seen === tipped) return;
     cordLayer.querySelector('.is-active')?.classList.remove('is-active');
-    cordLayer.classList.toggle('has-active', seen?.type === 'cord');
     if (seen?.type === 'cord') seen.node.classList.add('is-active');
     showTip(seen, !one);
   }

@@ -44,7 +44,7 @@ function mountPause() {
   const pause = byId('pause');
   pause.onclick = () => send('pause', { paused: !state.machine?.paused });
   bind('Space', 'Pause or continue', pause.onclick);
-  on('machine', ({ paused }) => { pause.ariaPressed = paused; });
+  on('machine', ({ paused }) => { pause.dataset.paused = paused; });
 }
 
 /** Seconds with as many decimals as the length of the run needs, so that the digits stay in their places. */
@@ -92,12 +92,11 @@ function mountTime() {
 
 /** The lamp of the whole machine: it names the amplifier whose lamp lit first. */
 function mountOverload() {
-  const show = (name) => {
+  on('frame', ({ firstLamp }) => {
+    const name = state.patch?.outputs[firstLamp]?.name;
     byId('overload').dataset.lit = Boolean(name);
     write(byId('overload-text'), name ? `Overload: ${name}` : 'No overload');
-  };
-  on('frame', ({ firstLamp }) => show(state.patch?.outputs[firstLamp ?? -1]?.name));
-  on('machine', ({ overloads }) => show(overloads[0]?.element));
+  });
 }
 
 /** The field for an argument of a command. An empty field goes back to what the patch or the machine gives by default. */

@@ -1,10 +1,12 @@
 /** One dial: a knob with a scale, and a field in which its value can be typed exactly. */
 
-import { decadeOf, fill, format, hasModifier, minus, parse, roundUp, template, within } from './dom.js';
+import { changeDetector, decadeOf, fill, format, hasModifier, minus, parse, roundUp, template, within } from './dom.js';
 import { refusalOf } from './state.js';
 
 /** The angle from the top to an end of the scale of a dial of one turn, in degrees. */
 const SWEEP = 135;
+/** The value of one turn of a dial of many turns, and the decimals that such a dial resolves. */
+const [TURN, DECIMALS] = [0.1, 4];
 /** A turn of the wheel sooner after one elsewhere still scrolls the page, in milliseconds. */
 const SCROLLING = 400;
 
@@ -13,9 +15,8 @@ addEventListener('wheel', (event) => {
   if (!event.target.closest?.('.dial')) scrolled = event.timeStamp;
 }, { passive: true, capture: true });
 
-
 /** A scale. An end that the range does not give is near the value, and `extend` moves it. */
-function scaleOf({ range, whole, digits }) {
+function scaleOf({ range, isWhole, hasTurns }) {
   const floor = range?.[0] ?? -Infinity;
   const ceiling = range?.[1] ?? Infinity;
   const isClosed = ceiling - floor < 1e12;
@@ -36,14 +37,14 @@ function scaleOf({ range, whole, digits }) {
     },
     position: (value) => within(0, log ? Math.log(value / scale.low) / Math.log(scale.high / scale.low)
       : (value - scale.low) / (scale.high - scale.low), 1),
-    step: () => (whole ? 1 : digits ? 10 ** -digits : decadeOf((scale.high - scale.low) / 2000)),
+    step: () => (isWhole ? 1 : hasTurns ? 10 ** -DECIMALS : decadeOf((scale.high - scale.low) / 2000)),
     /** The value at a position, rounded to what the dial resolves. */
     value(position, fine) {
       const { low, high } = scale;
       if (position <= 0 || position >= 1) return position <= 0 ? low : high;
       const exact = log ? low * (high / low) ** position : low + (high - low) * position;
-      const grid = scale.step() * (fine && !whole && !digits ? 0.1 : 1);
-      return within(low, Number(log && !whole ? exact.toPrecision(fine ? 5 : 4) : (Math.round(exact / grid) * grid).toPrecision(12)), high);
+      const grid = scale.step() * (fine && !isWhole && !hasTurns ? 0.1 : 1);
+      return within(low, Number(log && !isWhole ? exact.toPrecision(fine ? 5 : 4) : (Math.round(exact / grid) * grid).toPrecision(12)), high);
     },
   };
   return scale;
@@ -75,35 +76,32 @@ function typed(text, unit) {
 }
 
 /**
- * Makes a dial. `show` gives it the value of the session. An absent end of the range grows. A dial of many turns has
- * the value of one turn, `perTurn`. `turned` is called once a frame and resolves with the events of the answer.
- * @param {{label: string, unit: string, range?: (number|null)[]|null, perTurn?: number, digits?: number, whole?: boolean,
+ * Makes a dial, of many turns if it is that of a pot. `show` gives it the value of the session. An absent end of the range
+ * grows. `turned` is called once a frame and resolves with the events of the answer.
+ * @param {{label: string, unit: string, range?: (number|null)[]|null, hasTurns?: boolean, isWhole?: boolean,
  *   turned: (value: number) => Promise<any[]>, reset?: () => void, blocked?: () => void}} options
  */
 export function dial(options) {
-  const { label, perTurn, digits } = options;
+  const { label, hasTurns } = options;
   const unit = options.unit === '1' ? '' : options.unit ?? '';
   const scale = scaleOf(options);
-  const { node, knob, filled, long, short, turning, low, high, field, unitText, message } = template(perTurn ? 'dial-many' : 'dial');
-  let [shown, latest, position, open, ends, drag] = [NaN, undefined, 0, 0, '', null];
+  const { node, knob, filled, long, short, turning, low, high, field, unitText, message } = template(hasTurns ? 'dial-many' : 'dial');
+  const hasOtherEnds = changeDetector();
+  let [shown, latest, position, open, drag] = [NaN, undefined, 0, 0, null];
   let [isQueued, isEdited, isRefused, isLocked] = [false, false, false, false];
   unitText.textContent = unit;
 
-  const written = (value) => (digits ? value.toFixed(digits) : format(value, 6));
-  const note = (text) => {
-    message.textContent = text;
-    node.classList.toggle('is-refused', text !== '');
-  };
+  const written = (value) => (hasTurns ? value.toFixed(DECIMALS) : format(value, 6));
+  const note = (text) => { message.textContent = text; };
 
   function drawScale() {
-    if (ends === `${scale.low} ${scale.high}` || Number.isNaN(scale.low)) return;
-    ends = `${scale.low} ${scale.high}`;
+    if (Number.isNaN(scale.low) || !hasOtherEnds([scale.low, scale.high])) return;
     for (const [text, end, name] of [[low, scale.low, 'min'], [high, scale.high, 'max']]) {
       const short = format(end, 3);
       text.textContent = minus(short.length > 6 ? end.toExponential().replace('e+', 'e') : short);
       fill(knob, { [`aria-value${name}`]: end });
     }
-    if (perTurn) return;
+    if (hasTurns) return;
     drawMarks(long, scale, true);
     drawMarks(short, scale, false);
   }
@@ -116,7 +114,7 @@ export function dial(options) {
     const at = isKnown ? scale.position(value) : 0;
     const zero = scale.low < 0 && scale.high > 0 ? scale.position(0) : 0;
     fill(filled, { 'stroke-dasharray': `0 ${Math.min(at, zero)} ${Math.abs(at - zero)} 9` });
-    turning.style.transform = `rotate(${perTurn ? 360 * (value || 0) / perTurn : (2 * at - 1) * SWEEP}deg)`;
+    turning.style.transform = `rotate(${hasTurns ? 360 * (value || 0) / TURN : (2 * at - 1) * SWEEP}deg)`;
     if (!isEdited) field.value = isKnown ? written(value) : '';
     fill(knob, { 'aria-valuenow': value || 0, 'aria-valuetext': isKnown ? `${written(value)} ${unit}`.trim() : 'unknown' });
   }
@@ -177,17 +175,17 @@ export function dial(options) {
       const { left, top, width, height } = knob.getBoundingClientRect();
       const centre = [left + width / 2, top + height / 2];
       // The cap is dragged up and down; the skirt or the scale is turned around.
-      const isAround = Math.hypot(event.clientX - centre[0], event.clientY - centre[1]) > width * (perTurn ? 0.18 : 0.28);
+      const isAround = Math.hypot(event.clientX - centre[0], event.clientY - centre[1]) > width * (hasTurns ? 0.18 : 0.28);
       drag = { centre, isAround, x: event.clientX, y: event.clientY };
     },
     onpointermove({ clientX, clientY, shiftKey }) {
       if (!drag) return;
       const { centre: [left, top], isAround, x, y } = drag;
       Object.assign(drag, { x: clientX, y: clientY });
-      let by = (y - clientY) / (perTurn ? 400 : 200);
+      let by = (y - clientY) / (hasTurns ? 400 : 200);
       if (isAround) {
         const angle = (Math.atan2(clientY - top, clientX - left) - Math.atan2(y - top, x - left)) * 180 / Math.PI;
-        by = ((angle + 540) % 360 - 180) / (perTurn ? 360 * (scale.high - scale.low) / perTurn : 2 * SWEEP);
+        by = ((angle + 540) % 360 - 180) / (hasTurns ? 360 * (scale.high - scale.low) / TURN : 2 * SWEEP);
       }
       position = within(0, position + by * (shiftKey ? 0.1 : 1), 1);
       turn(scale.value(position, shiftKey));
@@ -204,7 +202,7 @@ export function dial(options) {
       nudge((event.deltaY || event.deltaX) / (event.deltaMode ? -3 : -100) * (event.shiftKey ? 0.001 : 0.01), event.shiftKey);
     },
     onkeydown(event) {
-      const arrow = (perTurn ? 0.001 : 0.01) * (event.shiftKey ? 0.1 : 1);
+      const arrow = (hasTurns ? 0.001 : 0.01) * (event.shiftKey ? 0.1 : 1);
       const by = {
         ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1
       }[event.key];
@@ -243,9 +241,7 @@ export function dial(options) {
   return {
     node, knob, show, note,
     lock(on) {
-      isLocked = field.readOnly = on;
-      node.classList.toggle('is-locked', on);
-      knob.ariaReadOnly = on;
+      isLocked = field.readOnly = knob.ariaReadOnly = on;
     },
   };
 }

@@ -76,6 +76,18 @@ export function stored(name, value) {
   return localStorage.getItem(`patchcord.${name}`);
 }
 
+/** Copies a text. Pages without encryption have no clipboard, but can replace what is copied. Returns whether it is copied. */
+export async function copyText(text) {
+  if (await navigator.clipboard?.writeText(text).then(() => true, () => false)) return true;
+  document.oncopy = (event) => {
+    event.preventDefault();
+    event.clipboardData.setData('text/plain', text);
+  };
+  const isCopied = document.execCommand('copy');
+  document.oncopy = null;
+  return isCopied;
+}
+
 /** Hides the nodes that do not have all words of a text. Returns how many are shown. */
 export function filter(nodes, text) {
   const words = text.toLowerCase().split(/\s+/);

@@ -1,6 +1,6 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { button, changeDetector, el, fill, named, partsOf, quantity } from './dom.js';
+import { button, changeDetector, copyText, el, fill, named, partsOf, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { ask, emit, highlight, on, state } from './state.js';
@@ -131,8 +131,10 @@ function equation(text) {
 export function mountEquations(root) {
   const { message, body, copyText, copyLatex, solved, more, unplaced, stated } = partsOf(root);
   for (const [, name, letter] of root.dataset.letters.matchAll(/(\S+) (\S+)/g)) letters.set(name, letter);
-  const copy = (text) => navigator.clipboard.writeText(text).then(() => toast('The equations are copied.', 'note'),
-    () => toast('The browser does not permit copying.'));
+  const copy = async (text) => {
+    if (await copyText(text)) toast('The equations are copied.', 'note');
+    else toast('The browser does not permit copying.');
+  };
   copyText.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
   copyLatex.onclick = () => copy(state.equations.latex);
   const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));

@@ -85,8 +85,7 @@ function mountDrop() {
   addEventListener('dragleave', ({ relatedTarget }) => { if (relatedTarget === null) show(false); });
   addEventListener('drop', (event) => {
     show(false);
-    // A view that takes files of its own has handled the event.
-    if (!hasFile(event) || event.defaultPrevented) return;
+    if (!hasFile(event)) return;
     event.preventDefault();
     openFiles(event.dataTransfer.files);
   });
@@ -156,21 +155,19 @@ function mark() {
 /** Connects the buttons and the page. */
 export function mountFiles() {
   const input = byId('file');
-  const choose = () => input.click();
   input.onchange = () => {
     openFiles(input.files);
     // The same file can be opened again after a change.
     input.value = '';
   };
-  byId('create').onclick = create;
-  for (const [id, key, text, run] of [['gallery', 'g', 'Gallery', () => showGallery(GALLERY)], ['new', null, null, chooseMachine],
-    ['open', 'Ctrl+O', 'Open a patch or data', choose], ['save', 'Ctrl+S', 'Save the patch', save], ['share', null, null, share]]) {
-    byId(id).onclick = run;
-    if (key) bind(key, text, run);
-  }
+  const [gallery, open] = [() => showGallery(GALLERY), () => input.click()];
+  for (const [id, run] of Object.entries({ gallery, open, save, share, create, new: chooseMachine })) byId(id).onclick = run;
+  bind('g', 'Gallery', gallery);
+  bind('Ctrl+O', 'Open a patch or data', open);
+  bind('Ctrl+S', 'Save the patch', save);
   mountDrop();
   mountAutosave();
-  for (const name of ['patch', 'saved']) on(name, mark);
+  on('patch saved', mark);
   addEventListener('hashchange', () => {
     token();
     attempt(openLink);

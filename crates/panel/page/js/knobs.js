@@ -81,11 +81,10 @@ function show(found, mark) {
 
 /** Puts a dial on a card, with the formula behind it or the elements that it turns. Returns how it is updated. */
 function dialOn({ control, lines, law, unlock, turns }, { key, place, title, about, unit, view }, set, reset) {
-  const isPot = place.setting === 'setting';
   let present = view;
   const knob = dial({
-    label: about ? `${title}, ${about}` : title, unit, range: view.range, whole: view.unit === 'whole number', turned: set, reset,
-    perTurn: isPot ? 0.1 : 0, digits: isPot ? 4 : 0,
+    label: about ? `${title}, ${about}` : title, unit, range: view.range, turned: set, reset,
+    isWhole: view.unit === 'whole number', hasTurns: place.setting === 'setting',
     blocked: () =>
       knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
   });

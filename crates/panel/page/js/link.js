@@ -12,19 +12,21 @@
 import { stored } from './dom.js';
 import { addressOf, isInside, read } from './resources.js';
 
+/** Takes a value out of the fragment of the address. Returns undefined if it has none of this name. */
+export function takeFromAddress(name) {
+  const fragment = new URLSearchParams(location.hash.slice(1));
+  const value = fragment.get(name);
+  if (value === null) return undefined;
+  fragment.delete(name);
+  history.replaceState(null, '', location.pathname + location.search + (fragment.size ? `#${fragment}` : ''));
+  return value;
+}
+
 /**
  * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
  * mistake, and links also open in other tabs.
  */
-export function token() {
-  const fragment = new URLSearchParams(location.hash.slice(1));
-  if (fragment.has('token')) {
-    stored('token', fragment.get('token'));
-    fragment.delete('token');
-    history.replaceState(null, '', location.pathname + location.search + (fragment.size ? `#${fragment}` : ''));
-  }
-  return stored('token') ?? '';
-}
+export const token = () => stored('token', takeFromAddress('token')) ?? '';
 
 /** The kind of the host in host.json. */
 let kind = '';
@@ -33,26 +35,24 @@ let kind = '';
 function linkOf(post, end) {
   const open = [];
   const { promise: lost, resolve: lose } = Promise.withResolvers();
-  const request = (text) => new Promise((resolve, reject) => {
-    open.push({ resolve, reject });
-    post(text);
-  });
   const fail = (message) => {
     for (const { reject } of open.splice(0)) reject(new Error(message));
   };
-  /** @type {Link} */
-  const link = {
-    kind,
-    request,
-    lost,
-    onpartial() {},
-    close() {
-      end();
-      fail('The connection was closed.');
-    },
-  };
   return {
-    link,
+    /** @type {Link} */
+    link: {
+      kind,
+      lost,
+      request: (text) => new Promise((resolve, reject) => {
+        open.push({ resolve, reject });
+        post(text);
+      }),
+      onpartial() {},
+      close() {
+        end();
+        fail('The connection was closed.');
+      },
+    },
     answer: (text, frame = null) => open.shift()?.resolve({ text, frame }),
     close(message) {
       fail(message);
@@ -96,11 +96,7 @@ async function connectWorker(module) {
   // A module that the document has is sent. Otherwise the Worker fetches the one that its address names.
   const query = inside ? '' : `?module=${module}`;
   const worker = new Worker(addressOf('worker/engine.js', 'text/javascript') + query, { type: 'module' });
-  let id = 0;
-  const { link, answer, close } = linkOf((text) => {
-    id += 1;
-    worker.postMessage({ id, text });
-  }, () => worker.terminate());
+  const { link, answer, close } = linkOf((text) => worker.postMessage({ text }), () => worker.terminate());
   const fail = (message) => {
     worker.terminate();
     close(message);

@@ -155,7 +155,6 @@ function setBusy(name) {
   view.setup.disabled = name;
   view.ready.disabled = name || !isCompared;
   view.search.disabled = !name && !isCompared;
-  write(view.search, name ? 'Cancel' : 'Search');
 }
 
 /** Sends what waits, unless the view is hidden. */

@@ -85,7 +85,7 @@ function mountNullMeter() {
     byId('null-pot').replaceChildren(pot?.node ?? 'If you choose a pot, its dial is here.');
   };
   const reference = dial({
-    label: 'Reference divider', unit: '1', range: [-1, 1], perTurn: 0.1, digits: 4, turned: (divider) => connect({ divider }),
+    label: 'Reference divider', unit: '1', range: [-1, 1], hasTurns: true, turned: (divider) => connect({ divider }),
   });
   reference.show(0);
   meter.range(10);

@@ -22,7 +22,7 @@ export function mountPatching(board) {
   let draft = null;
 
   function isLocked() {
-    if (board.isLocked()) say('The panel is locked. Press Unlock to patch.');
+    if (board.isLocked()) say('The panel is locked. Press Lock to unlock it.');
     return board.isLocked();
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */

@@ -108,7 +108,6 @@ export function mountSchematic(root) {
   const light = (name) => {
     lit = name;
     const cell = cells.get(name);
-    picture.toggleAttribute('data-lit', Boolean(cell));
     const ends = new Set([cell?.element, ...cell?.net?.to.map(([element]) => element) ?? []]);
     for (const node of picture.querySelectorAll('.net, .output, .symbol')) {
       const { element, output } = node.dataset;

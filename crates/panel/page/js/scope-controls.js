@@ -60,6 +60,13 @@ function placeOf(controls, { dataset }) {
   return [path.reduce((part, name) => part[name], controls), key];
 }
 
+/** The value of a control, in the type of the value before. A position has none before, and is a number. */
+function valueOf({ type, checked, value }, before) {
+  if (type === 'checkbox') return checked;
+  if (typeof before === 'boolean') return value === 'true';
+  return typeof before === 'string' || before === null ? value || null : Number(value);
+}
+
 /**
  * Connects the controls of a scope. `act` has what the buttons do.
  * @returns {{update: Function, step: Function}} `update` shows controls; with a patch, it makes the lists of probes again.
@@ -70,19 +77,17 @@ export function mountControls({ node, controls: root, base, summary }, model, ch
   const scales = inputs.filter(({ dataset }) => dataset.set.endsWith('volts_per_division'));
   const set = (control, controls) => {
     const [owner, key] = placeOf(controls, control);
-    const isText = !/number|boolean|undefined/.test(typeof owner[key]);
-    const value = control.type === 'checkbox' ? control.checked : isText ? control.value || null : JSON.parse(control.value || '0');
+    const value = valueOf(control, owner[key]);
     if (key === 'position') setPosition(owner, value);
     else if (key === 'volts_per_division') setVolts(owner, value);
     else owner[key] = value;
   };
-  for (const kind of ['input', 'change']) {
-    root.addEventListener(kind, ({ target }) => {
-      if ((target.type === 'range') !== (kind === 'input')) return;
-      if (target.dataset.set) change((controls) => set(target, controls));
-      else act[target.dataset.act]?.();
-    });
-  }
+  root.oninput = root.onchange = ({ type, target }) => {
+    // A slider acts while it is moved, the others when their values are complete.
+    if ((target.type === 'range') !== (type === 'input')) return;
+    if (target.dataset.set) change((controls) => set(target, controls));
+    else act[target.dataset.act]?.();
+  };
   root.onclick = ({ target }) => {
     const button = target.closest('button');
     if (!button) return;

@@ -5,7 +5,7 @@ import { connect } from './link.js';
 
 /** The latest data of each event. */
 export const state = {
-  hello: null, patch: null, findings: [], machine: null, scopes: [], schematic: null, equations: null, frame: null,
+  hello: null, patch: null, findings: [], machine: null, scopes: [], equations: null, frame: null,
   /** The numbers of the outputs in frames, by their names. @type {Map<string, number>} */
   numbers: new Map(),
   /** @type {import('./link.js').Link | null} */
