@@ -124,6 +124,6 @@ export function mountTools(board) {
     if (!root.offsetParent) byId('tab-board').click();
     if (!board.isLocked()) action();
   };
-  bind('a', 'Add an element to the patch panel', visit(() => open()));
+  bind('A', 'Add an element to the patch panel', visit(() => open()));
   bind('/', 'Type a cord, such as B1 P1.in', visit(() => field.focus()));
 }

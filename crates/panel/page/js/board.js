@@ -132,7 +132,7 @@ export function mountBoard(root) {
   async function render() {
     const { patch } = state;
     if (!patch || !isVisible() || !board.plates) return;
-    const name = stored(`board.plate.${patch.machine}`) ?? (board.plates[patch.machine] ? patch.machine : 'plain');
+    const name = [stored(`board.plate.${patch.machine}`), patch.machine].find((each) => each in board.plates) ?? 'plain';
     if (plate.name !== name) plate = { name, ...await faceplate(name) };
     if (patch !== state.patch) return;
     const [before, had] = [current, hasFocus()];
@@ -182,7 +182,7 @@ export function mountBoard(root) {
   on('highlight', (place) => {
     const one = isVisible() && place?.element && placed(place);
     if (!one) return;
-    stage.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
+    stage.scrollIntoView({ block: 'nearest' });
     zoom.reveal(one);
     one.node.classList.add('is-sought');
     setTimeout(() => one.node.classList.remove('is-sought'), MARKED);

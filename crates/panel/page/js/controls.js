@@ -16,7 +16,6 @@ function mountModes() {
   const [modes, text] = [byId('modes'), byId('mode-text')];
   for (const each of modes.children) {
     each.onclick = () => send('mode', { mode: each.value });
-    bind(each.ariaKeyShortcuts, each.querySelector('.mode-name').textContent, each.onclick);
   }
   on('machine', ({ mode, stopped }) => {
     press(modes, ({ value }) => value === mode);
@@ -43,14 +42,11 @@ function mountSpeed() {
 function mountPause() {
   const pause = byId('pause');
   pause.onclick = () => send('pause', { paused: !state.machine?.paused });
-  bind('Space', 'Pause or continue', pause.onclick);
   on('machine', ({ paused }) => { pause.dataset.paused = paused; });
 }
 
 /** Seconds with as many decimals as the length of the run needs, so that the digits stay in their places. */
-function clock(time) {
-  return time.toFixed(within(1, 3 - Math.floor(Math.log10(state.machine?.sweep || 1)), 6));
-}
+const clock = (time) => time.toFixed(within(1, 3 - Math.floor(Math.log10(state.machine?.sweep || 1)), 6));
 
 /** Why the time stands or runs slowly, in few words. */
 function pace(frame, factor) {
@@ -124,15 +120,14 @@ function mountTiming() {
 }
 
 function mountHistory() {
-  for (const [id, word, keys] of [['undo', 'Undo', ['Ctrl+Z']], ['redo', 'Redo', ['Ctrl+Y', 'Ctrl+Shift+Z']]]) {
-    const step = byId(id);
-    step.onclick = () => { if (step.ariaDisabled !== 'true') send(id); };
-    for (const key of keys) bind(key, word, step.onclick);
-    on('patch', (patch) => {
+  for (const id of ['undo', 'redo']) {
+    const button = byId(id);
+    button.onclick = () => { if (button.ariaDisabled !== 'true') send(id); };
+    on('patch', ({ [id]: step }) => {
       // The button keeps the focus when there is nothing left, so it is not `disabled`.
-      step.ariaDisabled = patch[id] === null;
-      step.ariaLabel = patch[id] === null ? `Nothing to ${id}` : `${word}: ${patch[id]}`;
-      step.title = `${step.ariaLabel} (${keys[0]})`;
+      button.ariaDisabled = step === null;
+      button.ariaLabel = step === null ? `Nothing to ${id}` : `${button.dataset.action}: ${step}`;
+      button.title = `${button.ariaLabel} (${button.dataset.keys})`;
     });
   }
 }

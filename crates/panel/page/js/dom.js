@@ -19,14 +19,10 @@ export function fill(element, attributes, children = []) {
 }
 
 /** Makes an HTML element. @returns {any} */
-export function el(tag, attributes, ...children) {
-  return fill(document.createElement(tag), attributes, children);
-}
+export const el = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
 
 /** Makes an SVG element. @returns {any} */
-export function svg(tag, attributes, ...children) {
-  return fill(document.createElementNS(SVG, tag), attributes, children);
-}
+export const svg = (tag, attributes, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
 
 /** The texts that are there, in one. */
 export const joined = (texts, separator = ', ') => texts.filter(Boolean).join(separator);
@@ -124,9 +120,7 @@ export function float(box, x, y, width = innerWidth, height = innerHeight) {
 }
 
 /** A button with a text. */
-export function button(text, onclick, attributes) {
-  return el('button', { type: 'button', onclick, ...attributes }, text);
-}
+export const button = (text, onclick, attributes) => el('button', { type: 'button', onclick, ...attributes }, text);
 
 /** A number with at most this number of significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
 export function format(number, digits = 4) {

@@ -129,14 +129,14 @@ function equation(text) {
 
 /** Shows the equations. @param {HTMLElement} root */
 export function mountEquations(root) {
-  const { message, body, copyText, copyLatex, solved, more, unplaced, stated } = partsOf(root);
+  const { message, body, plain, latex, solved, more, unplaced, stated } = partsOf(root);
   for (const [, name, letter] of root.dataset.letters.matchAll(/(\S+) (\S+)/g)) letters.set(name, letter);
   const copy = async (text) => {
     if (await copyText(text)) toast('The equations are copied.', 'note');
     else toast('The browser does not permit copying.');
   };
-  copyText.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
-  copyLatex.onclick = () => copy(state.equations.latex);
+  plain.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
+  latex.onclick = () => copy(state.equations.latex);
   const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));
   const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' },
     el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
@@ -147,6 +147,8 @@ export function mountEquations(root) {
     if (view.message) return;
     const faults = findings.filter(({ code }) => code === 'equation-not-solved');
     const lines = faults.length ? (await ask('text'))?.text.split('\n') : null;
+    // Other findings have come meanwhile, and are shown.
+    if (findings !== state.findings) return;
     // A finding says where its equation is in the text of the patch.
     const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
     solved.replaceChildren(...view.equations.map(({ text }) => row(text)));

@@ -3,7 +3,6 @@
 import { isChanged, keep, markSaved, mountAutosave, replace, restore, resume } from './autosave.js';
 import { byId, el, root } from './dom.js';
 import { pieces, showGallery } from './gallery.js';
-import { bind } from './keys.js';
 import { token } from './link.js';
 import { toast } from './messages.js';
 import { read } from './resources.js';
@@ -91,11 +90,7 @@ function mountDrop() {
   });
 }
 
-async function textAt(path, url) {
-  const answer = await read(path, url).catch(() => null);
-  if (!answer?.ok) throw new Error(`There is no patch at ${url.pathname}. Check the address.`);
-  return textOf(answer.body, LARGEST_FILE, 'The patch');
-}
+const textAt = async (path, url) => textOf((await read(path, url)).body, LARGEST_FILE, 'The patch');
 
 /** Opens a patch of the gallery, or a file in the folder of the page or below it. */
 async function openAt(name) {
@@ -160,11 +155,8 @@ export function mountFiles() {
     // The same file can be opened again after a change.
     input.value = '';
   };
-  const [gallery, open] = [() => showGallery(GALLERY), () => input.click()];
-  for (const [id, run] of Object.entries({ gallery, open, save, share, create, new: chooseMachine })) byId(id).onclick = run;
-  bind('g', 'Gallery', gallery);
-  bind('Ctrl+O', 'Open a patch or data', open);
-  bind('Ctrl+S', 'Save the patch', save);
+  const actions = { save, share, create, new: chooseMachine, open: () => input.click(), gallery: () => showGallery(GALLERY) };
+  for (const [id, run] of Object.entries(actions)) byId(id).onclick = run;
   mountDrop();
   mountAutosave();
   on('patch saved', mark);

@@ -3,21 +3,25 @@
 import { byId, el, stored, template } from './dom.js';
 import { cancelProbe } from './state.js';
 
-/** @type {{key: string, text: string, run: (event: KeyboardEvent) => void}[]} */
+/** @type {{key: string, text: string, run: () => void}[]} */
 const table = [];
 
 /**
- * Adds a key: "o", "?", "Space", "Ctrl+S", "Ctrl+Shift+Z".
+ * Adds a key: "O", "?", "Space", "Ctrl+S", "Ctrl+Shift+Z".
  * @param {string} text what it does, for the list
+ * @param {() => void} run
  */
-export function bind(key, text, run) {
-  table.push({ key, text, run });
+export const bind = (key, text, run) => table.push({ key, text, run });
+
+// The keys of buttons are in index.html.
+for (const button of document.querySelectorAll('[aria-keyshortcuts]')) {
+  for (const key of button.ariaKeyShortcuts.split(' ')) bind(key.replace('Control', 'Ctrl'), button.dataset.action, () => button.click());
 }
 
 /** The name of a pressed key as `bind` has it. */
 function nameOf({ key, ctrlKey, metaKey, shiftKey }) {
   if (ctrlKey || metaKey) return `Ctrl+${shiftKey ? 'Shift+' : ''}${key.toUpperCase()}`;
-  return key === ' ' ? 'Space' : key.length === 1 ? key.toLowerCase() : key;
+  return key === ' ' ? 'Space' : key.length === 1 ? key.toUpperCase() : key;
 }
 
 /** Whether the key belongs to the control that has the focus. */
@@ -37,16 +41,16 @@ function pressed(event) {
   const row = table.find(({ key }) => key === name);
   if (!row || isTaken(event, name) || (!name.startsWith('Ctrl+') && name !== '?' && areLettersOff())) return;
   event.preventDefault();
-  row.run(event);
+  row.run();
 }
 
 /** Starts to listen. */
 export function startKeys() {
   const [dialog, letters] = [byId('key-list'), byId('letters')];
-  const showList = () => {
+  byId('keys').onclick = () => {
     dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => {
       const { node, keys } = template('key', { text });
-      keys.append(...key.split('+').map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part)));
+      keys.append(...key.split('+').map((part) => el('kbd', null, part)));
       return node;
     }));
     dialog.showModal();
@@ -54,7 +58,5 @@ export function startKeys() {
   // Speech input can set off single letters by accident, so that they can be switched off.
   letters.checked = !areLettersOff();
   letters.onchange = () => stored('letters-off', !letters.checked);
-  bind('?', 'Show this list', showList);
   document.addEventListener('keydown', pressed);
-  byId('keys').onclick = showList;
 }

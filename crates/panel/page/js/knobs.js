@@ -76,7 +76,7 @@ function show(found, mark) {
   const first = found[0]?.node;
   if (!first || first.contains(document.activeElement)) return;
   first.closest('details').open = true;
-  first.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
+  first.scrollIntoView({ block: 'nearest' });
 }
 
 /** Puts a dial on a card, with the formula behind it or the elements that it turns. Returns how it is updated. */

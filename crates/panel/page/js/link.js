@@ -117,14 +117,10 @@ const connectTo = (path, module) => (kind === 'server' ? connectServer(path) : c
 /** Connects to the host that host.json names. @returns {Promise<Link>} */
 export async function connect() {
   token();
-  const answer = await read('host.json');
-  if (!answer.ok) throw new Error('The file host.json is missing next to the page.');
-  const { host, patch, text } = await answer.json();
+  const { host, patch, text } = await (await read('host.json')).json();
   kind = host;
   return Object.assign(await connectTo('session', 'engine.wasm'), { patch, text });
 }
 
 /** Begins a comparison with measured data at the same host. @returns {Promise<Link>} */
-export async function connectComparison() {
-  return connectTo('compare', 'search.wasm');
-}
+export const connectComparison = () => connectTo('compare', 'search.wasm');

@@ -47,10 +47,9 @@ function mountTabs() {
       next.focus();
       select(next);
     };
-    bind(String(index + 1), tab.textContent, tab.onclick);
   });
   for (const each of byId('layout').children) each.onclick = () => setLayout(each.value);
-  bind('v', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
+  bind('V', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
   const before = stored('layout') ?? 'both';
   select(byId(stored('tab')) ?? tabs[0]);
   setLayout(before);
@@ -80,7 +79,6 @@ function mountAppearance() {
     projector.ariaPressed = projector.ariaPressed !== 'true';
     set('projector', projector.ariaPressed);
   };
-  bind('l', 'Large type for a projector', projector.onclick);
 }
 
 function mountTitle() {

@@ -8,9 +8,8 @@ const SHOWN = 4000;
 const SHOWN_PER_LETTER = 40;
 
 /** The name of a place: "A3 x10", "parameter M". */
-export function placeName({ element, jack, setting, parameter }) {
-  return parameter ? `parameter ${parameter}` : joined([element, jack ?? setting], ' ');
-}
+export const placeName = ({ element, jack, setting, parameter }) =>
+  (parameter ? `parameter ${parameter}` : joined([element, jack ?? setting], ' '));
 
 function findingItem({ code, severity, message, hint, place }) {
   const { node, seek, equations } = template('finding', { severity, message, hint, seek: place && `Show ${placeName(place)}` });
@@ -21,9 +20,8 @@ function findingItem({ code, severity, message, hint, place }) {
   return node;
 }
 
-function count(number, word) {
-  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : '';
-}
+/** A number of things, or nothing if there are none. */
+const count = (number, word) => number && `${number} ${word}${number === 1 ? '' : 's'}`;
 
 function showFindings() {
   const errors = state.findings.filter(({ severity }) => severity === 'error').length;

@@ -82,7 +82,7 @@ function mountNullMeter() {
   const meter = meterOf('Null meter', (name) => connect({ output: name }));
   const place = () => {
     pot = output && potCard(output, state.patch);
-    byId('null-pot').replaceChildren(pot?.node ?? 'If you choose a pot, its dial is here.');
+    byId('null-pot').replaceChildren(pot?.node ?? '');
   };
   const reference = dial({
     label: 'Reference divider', unit: '1', range: [-1, 1], hasTurns: true, turned: (divider) => connect({ divider }),
