@@ -229,7 +229,7 @@ mod tests {
     /// Whether a module imports another one.
     fn imports(page: &Page, other: &Page) -> bool {
         let name = other.path.trim_start_matches("js/");
-        page.text.contains(&format!("from './{name}'"))
+        ["from", "import"].iter().any(|word| page.text.contains(&format!("{word} './{name}'")))
     }
 
     #[test]

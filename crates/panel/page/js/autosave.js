@@ -176,14 +176,11 @@ export async function recent() {
 /** Deletes a kept patch. If it is on the panel, it is kept again after its next change. */
 export const forget = (id) => transact((rows) => { rows.delete(id); });
 
-/** Begins to keep patches. */
-export function mountAutosave() {
-  on('patch parameter scopes machine', changed);
-  on('link', () => { present = null; });
-  document.addEventListener('visibilitychange', keep);
-  addEventListener('beforeunload', (event) => {
-    if (isKept() || !isChanged()) return;
-    keep();
-    event.preventDefault();
-  });
-}
+on('patch parameter scopes machine', changed);
+on('link', () => { present = null; });
+document.addEventListener('visibilitychange', keep);
+addEventListener('beforeunload', (event) => {
+  if (isKept() || !isChanged()) return;
+  keep();
+  event.preventDefault();
+});

@@ -1,6 +1,9 @@
-/** The problem check: every output and derivative in volts, compared with the equations of the patch. */
+/**
+ * The problem check: every output and derivative in volts, compared with the equations of the patch. The table is shown in
+ * the mode "Problem check".
+ */
 
-import { fixed, partsOf, quantity, template } from './dom.js';
+import { byId, fixed, partsOf, quantity, template } from './dom.js';
 import { ask, highlight, on } from './state.js';
 
 /** Units of an output and of its derivatives. Seconds are those of the machine. */
@@ -28,34 +31,35 @@ function rowNode(row) {
   return node;
 }
 
-/** Shows the table in the mode "Problem check". @param {HTMLElement} root */
-export function mountCheck(root) {
-  const { status, start, random, rows } = partsOf(root);
-  let [mode, seed] = [null, null];
-  async function check() {
-    const found = !root.hidden && await ask('static-check', { seed });
-    if (!found) return;
-    rows.replaceChildren(...found.rows.sort((one, other) => isWrong(other) - isWrong(one)).map(rowNode));
-    const wrong = found.rows.filter(isWrong).length;
-    const words = found.compared ? 'all values agree with the equations' : 'the patch states no equations to compare with';
-    status.textContent = `${seed ? `Test values ${seed}` : 'At the start'}: ${wrong ? `${wrong} of ${found.rows.length} values are wrong` : words}.`;
-  }
-  start.onclick = () => {
-    seed = null;
-    return check();
-  };
-  random.onclick = () => {
-    seed += 1;
-    check();
-  };
-  on('patch', check);
-  on('machine', async ({ mode: next }) => {
-    if (next === mode) return;
-    const isFirst = !mode;
-    mode = next;
-    root.hidden = mode !== 'problem-check';
-    await start.onclick();
-    // The page may be longer than the window. The mode with which a page begins does not move it.
-    if (!isFirst) root.scrollIntoView({ block: 'nearest' });
-  });
+const root = byId('check');
+const { status, start, random, rows } = partsOf(root);
+let [mode, seed] = [null, null];
+
+/** Compares the values, if the table is shown. */
+async function check() {
+  const found = !root.hidden && await ask('static-check', { seed });
+  if (!found) return;
+  rows.replaceChildren(...found.rows.sort((one, other) => isWrong(other) - isWrong(one)).map(rowNode));
+  const wrong = found.rows.filter(isWrong).length;
+  const words = found.compared ? 'all values agree with the equations' : 'the patch states no equations to compare with';
+  status.textContent = `${seed ? `Test values ${seed}` : 'At the start'}: ${wrong ? `${wrong} of ${found.rows.length} values are wrong` : words}.`;
 }
+
+start.onclick = () => {
+  seed = null;
+  return check();
+};
+random.onclick = () => {
+  seed += 1;
+  check();
+};
+on('patch', check);
+on('machine', async ({ mode: next }) => {
+  if (next === mode) return;
+  const isFirst = !mode;
+  mode = next;
+  root.hidden = mode !== 'problem-check';
+  await start.onclick();
+  // The page may be longer than the window. The mode with which a page begins does not move it.
+  if (!isFirst) root.scrollIntoView({ block: 'nearest' });
+});

@@ -132,7 +132,4 @@ function mountHistory() {
   }
 }
 
-/** Connects all controls of the machine. */
-export function mountControls() {
-  for (const mount of [mountModes, mountPause, mountSpeed, mountTime, mountOverload, mountTiming, mountHistory]) mount();
-}
+for (const mount of [mountModes, mountPause, mountSpeed, mountTime, mountOverload, mountTiming, mountHistory]) mount();

@@ -1,6 +1,6 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { button, changeDetector, copyText, el, fill, named, partsOf, quantity } from './dom.js';
+import { button, byId, changeDetector, copyText, el, fill, named, partsOf, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { ask, emit, highlight, on, state } from './state.js';
@@ -127,48 +127,51 @@ function equation(text) {
   return [...set(left), ...operator('='), ...value];
 }
 
-/** Shows the equations. @param {HTMLElement} root */
-export function mountEquations(root) {
-  const { message, body, plain, latex, solved, more, unplaced, stated } = partsOf(root);
-  for (const [, name, letter] of root.dataset.letters.matchAll(/(\S+) (\S+)/g)) letters.set(name, letter);
-  const copy = async (text) => {
-    if (await copyText(text)) toast('The equations are copied.', 'note');
-    else toast('The browser does not permit copying.');
-  };
-  plain.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
-  latex.onclick = () => copy(state.equations.latex);
-  const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));
-  const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' },
-    el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
-  const show = async () => {
-    const { equations: view, findings } = state;
-    if (!view) return;
-    message.textContent = view.message;
-    if (view.message) return;
-    const faults = findings.filter(({ code }) => code === 'equation-not-solved');
-    const lines = faults.length ? (await ask('text'))?.text.split('\n') : null;
-    // Other findings have come meanwhile, and are shown.
-    if (findings !== state.findings) return;
-    // A finding says where its equation is in the text of the patch.
-    const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
-    solved.replaceChildren(...view.equations.map(({ text }) => row(text)));
-    more.textContent = view.more.trim();
-    unplaced.replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
-    stated.replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
-  };
-  // A knob that is turned changes no name, so that the buttons stay and keep the focus.
-  const hasOtherContent = changeDetector();
-  on('equations findings patch', () => {
-    const { patch, equations, findings } = state;
-    const names = ['parameters', 'signals', 'outputs'].map((list) => patch?.[list].map(({ name, at }) => [name, at]));
-    if (hasOtherContent([equations, names, findings])) show();
-  });
-  const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
-  const leave = () => emit('pointed', {});
-  fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
-  on('pointed', ({ output, parameter }) => {
-    for (const node of body.querySelectorAll('.eq-name')) {
-      node.classList.toggle('lit', output ? node.dataset.output === output : parameter && node.dataset.parameter === parameter);
-    }
-  });
+const root = byId('equations');
+const { message, body, plain, latex, solved, more, unplaced, stated } = partsOf(root);
+for (const [, name, letter] of root.dataset.letters.matchAll(/(\S+) (\S+)/g)) letters.set(name, letter);
+
+async function copy(text) {
+  if (await copyText(text)) toast('The equations are copied.', 'note');
+  else toast('The browser does not permit copying.');
 }
+
+plain.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
+latex.onclick = () => copy(state.equations.latex);
+
+const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));
+const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' },
+  el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
+
+async function show() {
+  const { equations: view, findings } = state;
+  if (!view) return;
+  message.textContent = view.message;
+  if (view.message) return;
+  const faults = findings.filter(({ code }) => code === 'equation-not-solved');
+  const lines = faults.length ? (await ask('text'))?.text.split('\n') : null;
+  // Other findings have come meanwhile, and are shown.
+  if (findings !== state.findings) return;
+  // A finding says where its equation is in the text of the patch.
+  const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
+  solved.replaceChildren(...view.equations.map(({ text }) => row(text)));
+  more.textContent = view.more.trim();
+  unplaced.replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
+  stated.replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
+}
+
+// A knob that is turned changes no name, so that the buttons stay and keep the focus.
+const hasOtherContent = changeDetector();
+on('equations findings patch', () => {
+  const { patch, equations, findings } = state;
+  const names = ['parameters', 'signals', 'outputs'].map((list) => patch?.[list].map(({ name, at }) => [name, at]));
+  if (hasOtherContent([equations, names, findings])) show();
+});
+const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
+const leave = () => emit('pointed', {});
+fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
+on('pointed', ({ output, parameter }) => {
+  for (const node of body.querySelectorAll('.eq-name')) {
+    node.classList.toggle('lit', output ? node.dataset.output === output : parameter && node.dataset.parameter === parameter);
+  }
+});

@@ -1,7 +1,7 @@
 /** Opening, saving, and what the page begins with. */
 
-import { isChanged, keep, markSaved, mountAutosave, replace, restore, resume } from './autosave.js';
-import { byId, el, root } from './dom.js';
+import { isChanged, keep, markSaved, replace, restore, resume } from './autosave.js';
+import { byId, el, joined, named, root } from './dom.js';
 import { pieces, showGallery } from './gallery.js';
 import { token } from './link.js';
 import { toast } from './messages.js';
@@ -141,27 +141,29 @@ export async function begin() {
   if (!isNamed) showGallery(GALLERY);
 }
 
-/** The title of the window has a mark while the patch differs from its file. */
-function mark() {
+/** Shows the title of the patch, with a mark while the patch differs from its file. */
+function showTitle() {
+  const { title, file, source, note, machine } = state.patch;
+  const name = title || file || 'New patch';
+  const type = named(state.hello?.machines, machine)?.title || machine;
+  byId('title').textContent = byId('title').title = name;
+  byId('subtitle').textContent = joined([file !== name && file, type], ' · ');
+  byId('about-text').textContent = joined([note, source], '\n\n');
   root.toggleAttribute('data-changed', isChanged());
-  document.title = (isChanged() ? '• ' : '') + document.title.replace(/^• /, '');
+  document.title = `${isChanged() ? '• ' : ''}${name} – patchcord`;
 }
 
-/** Connects the buttons and the page. */
-export function mountFiles() {
-  const input = byId('file');
-  input.onchange = () => {
-    openFiles(input.files);
-    // The same file can be opened again after a change.
-    input.value = '';
-  };
-  const actions = { save, share, create, new: chooseMachine, open: () => input.click(), gallery: () => showGallery(GALLERY) };
-  for (const [id, run] of Object.entries(actions)) byId(id).onclick = run;
-  mountDrop();
-  mountAutosave();
-  on('patch saved', mark);
-  addEventListener('hashchange', () => {
-    token();
-    attempt(openLink);
-  });
-}
+const input = byId('file');
+input.onchange = () => {
+  openFiles(input.files);
+  // The same file can be opened again after a change.
+  input.value = '';
+};
+const actions = { save, share, create, new: chooseMachine, open: () => input.click(), gallery: () => showGallery(GALLERY) };
+for (const [id, run] of Object.entries(actions)) byId(id).onclick = run;
+mountDrop();
+on('patch saved', showTitle);
+addEventListener('hashchange', () => {
+  token();
+  attempt(openLink);
+});

@@ -44,19 +44,16 @@ function pressed(event) {
   row.run();
 }
 
-/** Starts to listen. */
-export function startKeys() {
-  const [dialog, letters] = [byId('key-list'), byId('letters')];
-  byId('keys').onclick = () => {
-    dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => {
-      const { node, keys } = template('key', { text });
-      keys.append(...key.split('+').map((part) => el('kbd', null, part)));
-      return node;
-    }));
-    dialog.showModal();
-  };
-  // Speech input can set off single letters by accident, so that they can be switched off.
-  letters.checked = !areLettersOff();
-  letters.onchange = () => stored('letters-off', !letters.checked);
-  document.addEventListener('keydown', pressed);
-}
+const [dialog, letters] = [byId('key-list'), byId('letters')];
+byId('keys').onclick = () => {
+  dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => {
+    const { node, keys } = template('key', { text });
+    keys.append(...key.split('+').map((part) => el('kbd', null, part)));
+    return node;
+  }));
+  dialog.showModal();
+};
+// Speech input can set off single letters by accident, so that they can be switched off.
+letters.checked = !areLettersOff();
+letters.onchange = () => stored('letters-off', !letters.checked);
+document.addEventListener('keydown', pressed);

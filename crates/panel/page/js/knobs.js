@@ -169,32 +169,32 @@ export function potCard(output, patch) {
   return { node, refresh };
 }
 
-/** Shows the controls of the patch. */
-export function mountKnobs() {
-  const [search, root] = [byId('knob-filter'), byId('knob-groups')];
-  const hasOtherControls = changeDetector();
-  const build = () => {
-    cards.clear();
-    for (const control of controls) cards.set(control.key, cardOf(control));
-    [...root.children].forEach((group, at) => {
-      const own = controls.filter((control) => control.group === at).map(({ key }) => cards.get(key).node);
-      group.querySelector('small').textContent = own.length;
-      group.lastChild.replaceChildren(...own);
-      group.open = at !== BY_PARAMETERS;
-    });
-    search.value = '';
-    search.hidden = controls.length <= FILTERED;
-    search.oninput();
-  };
-  search.oninput = () => {
-    filter(root.querySelectorAll('.knob'), search.value);
-    for (const group of root.children) group.open ||= search.value;
-  };
-  on('patch', (patch) => {
-    // Cards are kept while their controls are the same: a dial that is being turned must stay.
-    if (hasOtherControls(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]))) build();
-    for (const { key, view } of controls) cards.get(key).update(view, patch);
+const [search, root] = [byId('knob-filter'), byId('knob-groups')];
+const hasOtherControls = changeDetector();
+
+/** Makes the cards of all controls. */
+function build() {
+  cards.clear();
+  for (const control of controls) cards.set(control.key, cardOf(control));
+  [...root.children].forEach((group, at) => {
+    const own = controls.filter((control) => control.group === at).map(({ key }) => cards.get(key).node);
+    group.querySelector('small').textContent = own.length;
+    group.lastChild.replaceChildren(...own);
+    group.open = at !== BY_PARAMETERS;
   });
-  on('highlight', (to) => show([...cards.values()].filter(({ place: { parameter, element, setting } }) =>
-    (parameter ? to.parameter === parameter : to.element === element && (to.setting ?? setting) === setting)), 'is-lit'));
+  search.value = '';
+  search.hidden = controls.length <= FILTERED;
+  search.oninput();
 }
+
+search.oninput = () => {
+  filter(root.querySelectorAll('.knob'), search.value);
+  for (const group of root.children) group.open ||= search.value;
+};
+on('patch', (patch) => {
+  // Cards are kept while their controls are the same: a dial that is being turned must stay.
+  if (hasOtherControls(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]))) build();
+  for (const { key, view } of controls) cards.get(key).update(view, patch);
+});
+on('highlight', (to) => show([...cards.values()].filter(({ place: { parameter, element, setting } }) =>
+  (parameter ? to.parameter === parameter : to.element === element && (to.setting ?? setting) === setting)), 'is-lit'));

@@ -14,8 +14,6 @@ let last = performance.now();
 let lively = 0;
 let isWaiting = false;
 
-
-
 function tick(now) {
   requestAnimationFrame(tick);
   if (isWaiting || document.hidden || !state.host || !state.patch) return;
@@ -27,8 +25,5 @@ function tick(now) {
   send('advance', { seconds }).then(() => { isWaiting = false; });
 }
 
-/** Starts the clock. */
-export function startLoop() {
-  on('patch machine scopes', () => { lively = performance.now() + LIVELY; });
-  requestAnimationFrame(tick);
-}
+on('patch machine scopes', () => { lively = performance.now() + LIVELY; });
+requestAnimationFrame(tick);

@@ -1,21 +1,29 @@
-/** Puts the page together. */
+/** Puts the page together: the views connect themselves when they are loaded. */
 
-import { mountBoard } from './board.js';
-import { mountCheck } from './check.js';
-import { mountControls, press } from './controls.js';
-import { byId, joined, named, root, stored } from './dom.js';
-import { mountEquations } from './equations.js';
-import { mountFiles, begin } from './files.js';
-import { bind, startKeys } from './keys.js';
-import { mountKnobs } from './knobs.js';
-import { mountLamps } from './lamps.js';
-import { startLoop } from './loop.js';
-import { mountMeasured } from './measured.js';
-import { mountMessages } from './messages.js';
-import { mountMeters } from './meters.js';
-import { mountSchematic } from './schematic.js';
-import { mountScope } from './scope.js';
+import './board.js';
+import './check.js';
+import { press } from './controls.js';
+import { byId, root, stored } from './dom.js';
+import './equations.js';
+import { begin } from './files.js';
+import { bind } from './keys.js';
+import './knobs.js';
+import './lamps.js';
+import './loop.js';
+import './measured.js';
+import './meters.js';
+import './schematic.js';
+import './scope.js';
 import { cancelProbe, emit, on, open, send, state } from './state.js';
+
+const tabs = [...document.querySelectorAll('[role=tab]')];
+const [schematic, board, link] = [byId('schematic'), byId('board'), byId('link')];
+
+/** Asks for the events of the view that is shown only. */
+function sendViews() {
+  const isShown = (id) => !byId(id).hidden && root.dataset.layout !== 'scopes';
+  if (state.host) send('views', { schematic: isShown('schematic'), equations: isShown('equations') });
+}
 
 /** How the scopes and the views share the page: "scopes", "both" or "view". */
 function setLayout(name) {
@@ -25,19 +33,18 @@ function setLayout(name) {
   sendViews();
 }
 
-/** The views below the scopes. Only the one that is shown gets its events. */
+/** Shows the view of a tab. */
+function select(chosen) {
+  for (const tab of tabs) {
+    tab.ariaSelected = tab === chosen;
+    tab.tabIndex = tab === chosen ? 0 : -1;
+    byId(tab.getAttribute('aria-controls')).hidden = tab !== chosen;
+  }
+  stored('tab', chosen.id);
+  setLayout(root.dataset.layout === 'view' ? 'view' : 'both');
+}
+
 function mountTabs() {
-  const tabs = [...document.querySelectorAll('[role=tab]')];
-  const panelOf = (tab) => byId(tab.getAttribute('aria-controls'));
-  const select = (chosen) => {
-    for (const tab of tabs) {
-      tab.ariaSelected = tab === chosen;
-      tab.tabIndex = tab === chosen ? 0 : -1;
-      panelOf(tab).hidden = tab !== chosen;
-    }
-    stored('tab', chosen.id);
-    setLayout(root.dataset.layout === 'view' ? 'view' : 'both');
-  };
   tabs.forEach((tab, index) => {
     tab.onclick = () => select(tab);
     tab.onkeydown = ({ key }) => {
@@ -53,43 +60,27 @@ function mountTabs() {
   const before = stored('layout') ?? 'both';
   select(byId(stored('tab')) ?? tabs[0]);
   setLayout(before);
-  // A finding about an equation has no place at the panel. The schematic has all other places.
   on('highlight', ({ element, equation }) => {
+    // A finding about an equation has no place at the panel. The schematic has all other places.
     if (equation) select(tabs[2]);
-    else if (element && (root.dataset.layout === 'scopes' || (byId('schematic').hidden && byId('board').hidden))) select(byId('board').hidden ? tabs[0] : tabs[1]);
+    else if (element && (root.dataset.layout === 'scopes' || (schematic.hidden && board.hidden))) select(tabs[board.hidden ? 0 : 1]);
   });
 }
 
-function sendViews() {
-  const isShown = (id) => !byId(id).hidden && root.dataset.layout !== 'scopes';
-  if (state.host) send('views', { schematic: isShown('schematic'), equations: isShown('equations') });
-}
-
-/** Theme and projector mode, which theme.js keeps. */
+/** Theme and projector mode, which theme.js shows. */
 function mountAppearance() {
   const [theme, projector] = [byId('theme'), byId('projector')];
   theme.value = stored('theme') ?? 'system';
   projector.ariaPressed = stored('projector') === 'true';
   const set = (key, value) => {
     stored(key, value);
-    root.dispatchEvent(new Event('themeset'));
+    dispatchEvent(new Event('storage'));
   };
   theme.onchange = () => set('theme', theme.value);
   projector.onclick = () => {
     projector.ariaPressed = projector.ariaPressed !== 'true';
     set('projector', projector.ariaPressed);
   };
-}
-
-function mountTitle() {
-  on('patch', ({ title, file, source, note, machine }) => {
-    const name = title || file || 'New patch';
-    byId('title').textContent = byId('title').title = name;
-    const type = named(state.hello?.machines, machine)?.title || machine;
-    byId('subtitle').textContent = joined([file !== name && file, type], ' · ');
-    byId('about-text').textContent = joined([note, source], '\n\n');
-    document.title = `${name} – patchcord`;
-  });
 }
 
 /** A menu closes when the user goes elsewhere, and by the Escape key. */
@@ -105,6 +96,8 @@ function mountPopovers() {
 
 /** Connects and brings the first patch; also after the connection was lost. */
 async function start() {
+  // There is one attempt at a time.
+  link.hidden = true;
   const isOpen = await open().then(() => true, ({ message }) => emit('link', { connected: false, message }));
   if (!isOpen) return;
   sendViews();
@@ -112,23 +105,9 @@ async function start() {
 }
 
 byId('unstarted').remove();
-mountControls();
-mountTitle();
-mountMessages(start);
-mountFiles();
-for (const index of [0, 1]) mountScope(byId(`scope-${index + 1}`), index);
-mountMeters();
-mountKnobs();
-mountLamps();
-mountSchematic(byId('schematic'));
-mountBoard(byId('board'));
-mountEquations(byId('equations'));
-mountMeasured();
-mountCheck(byId('check'));
 mountTabs();
 mountAppearance();
 mountPopovers();
-startKeys();
 byId('cancel-probe').onclick = cancelProbe;
-startLoop();
+link.lastChild.onclick = start;
 start();

@@ -213,37 +213,34 @@ function follow({ file, signals, elements, time_scale: scale } = state.patch) {
   refresh();
 }
 
-/** Connects the view. */
-export function mountMeasured() {
-  const open = () => byId('file').click();
-  const buttons = {
-    ...actions, open, other: open, fit: () => start('fit'), search: () => start('search'),
-    save: () => download(`${given.name.replace(/\.\w+$/, '')}.experiment.json`, accepted, 'application/json'),
-  };
-  for (const [name, act] of Object.entries(buttons)) view[name].onclick = act;
-  view.setup.onchange = ({ target }) => {
-    if (target.type === 'range') return;
-    // Each role has one column.
-    for (const { role } of columns) if (role !== target && role.value === target.value) role.value = '';
-    run('compare');
-  };
-  on('data', (file) => {
-    given = file;
-    showFound(null);
-    byId('tab-measured').click();
-    root.closest('.views').scrollIntoView();
-    waiting.add('begin');
-    follow();
-    pump();
-  });
-  on('patch', (patch) => {
-    values = Object.fromEntries(patch.parameters.map(({ name, value }) => [name, value]));
-    follow(patch);
-  });
-  on('parameter', ({ name, value }) => {
-    values[name] = value;
-    follow();
-  });
-  // It has been shown, perhaps with requests that wait.
-  new ResizeObserver(pump).observe(root);
-}
+const open = () => byId('file').click();
+const buttons = {
+  ...actions, open, other: open, fit: () => start('fit'), search: () => start('search'),
+  save: () => download(`${given.name.replace(/\.\w+$/, '')}.experiment.json`, accepted, 'application/json'),
+};
+for (const [name, act] of Object.entries(buttons)) view[name].onclick = act;
+view.setup.onchange = ({ target }) => {
+  if (target.type === 'range') return;
+  // Each role has one column.
+  for (const { role } of columns) if (role !== target && role.value === target.value) role.value = '';
+  run('compare');
+};
+on('data', (file) => {
+  given = file;
+  showFound(null);
+  byId('tab-measured').click();
+  root.closest('.views').scrollIntoView();
+  waiting.add('begin');
+  follow();
+  pump();
+});
+on('patch', (patch) => {
+  values = Object.fromEntries(patch.parameters.map(({ name, value }) => [name, value]));
+  follow(patch);
+});
+on('parameter', ({ name, value }) => {
+  values[name] = value;
+  follow();
+});
+// It has been shown, perhaps with requests that wait.
+new ResizeObserver(pump).observe(root);

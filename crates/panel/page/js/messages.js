@@ -75,22 +75,18 @@ export function toast(message, kind = 'error') {
   box.onpointerleave = () => { timer = setTimeout(close.onclick, time / 2); };
 }
 
-/** Connects the list and the messages. `reconnect` is called by the button of a lost connection. */
-export function mountMessages(reconnect) {
-  const move = ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; };
-  for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
-  document.addEventListener('keydown', () => { pointer = null; });
-  byId('link').lastChild.onclick = reconnect;
-  byId('correct').onclick = findCorrections;
-  on('findings', showFindings);
-  on('refused', ({ message, place: where }) => {
-    // The patch panel shows it at the jack.
-    if (!where?.element || byId('board').hidden) toast(message);
-    if (where) highlight(where);
-  });
-  on('link', ({ connected, message }) => {
-    byId('link').hidden = connected;
-    write(byId('link').firstChild, message);
-  });
-  on('probing', (waits) => root.toggleAttribute('data-probing', waits));
-}
+const move = ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; };
+for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
+document.addEventListener('keydown', () => { pointer = null; });
+byId('correct').onclick = findCorrections;
+on('findings', showFindings);
+on('refused', ({ message, place: where }) => {
+  if (where) highlight(where);
+  // The patch panel shows it at the jack.
+  if (!where?.element || !byId('board').offsetParent) toast(message);
+});
+on('link', ({ connected, message }) => {
+  byId('link').hidden = connected;
+  write(byId('link').firstChild, message);
+});
+on('probing', (waits) => root.toggleAttribute('data-probing', waits));

@@ -109,8 +109,5 @@ function mountNullMeter() {
   on('frame', (frame) => meter.show(frame.nullMeter, (volts) => (Math.abs(volts) < 0.005 ? 'at zero' : '')));
 }
 
-/** Shows the voltmeter and the null meter. */
-export function mountMeters() {
-  mountVoltmeter();
-  mountNullMeter();
-}
+mountVoltmeter();
+mountNullMeter();

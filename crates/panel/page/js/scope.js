@@ -1,6 +1,6 @@
 /** A storage oscilloscope of the page: screen, controls, cursors, trigger level. */
 
-import { changeDetector, fill, joined, quantity, template, within, write } from './dom.js';
+import { byId, changeDetector, fill, joined, quantity, template, within, write } from './dom.js';
 import { nameOf, reading } from './probes.js';
 import { mountControls, setPosition } from './scope-controls.js';
 import { save } from './scope-export.js';
@@ -37,8 +37,8 @@ function autoSet(controls, { outputs, trace }, step) {
   if (period) step(controls, -1, (2.5 * period) / ACROSS, 1);
 }
 
-/** Puts a scope into an element. @param {HTMLElement} root @param {number} index 0 or 1 */
-export function mountScope(root, index) {
+/** Puts a scope into its card. @param {number} index 0 or 1 */
+function mountScope(index) {
   const trace = new Trace();
   const model = { controls: null, outputs: [], lit: [false, false], span: 1, trace };
   const cursors = [[0.25, 0.6], [0.75, 0.4]];
@@ -72,7 +72,7 @@ export function mountScope(root, index) {
     },
     save: (kind) => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`),
   });
-  root.append(node);
+  byId(`scope-${index + 1}`).append(node);
 
   /** Changes the controls. */
   async function change(edit) {
@@ -236,3 +236,5 @@ export function mountScope(root, index) {
   });
   synchronise();
 }
+
+for (const index of [0, 1]) mountScope(index);

@@ -6,9 +6,9 @@
     const chosen = localStorage.getItem('patchcord.theme') ?? 'system';
     root.dataset.theme = chosen === 'system' ? (dark.matches ? 'dark' : 'light') : chosen;
     root.toggleAttribute('data-projector', localStorage.getItem('patchcord.projector') === 'true');
-
   };
   dark.addEventListener('change', show);
-  root.addEventListener('themeset', show);
+  // main.js sends this event; so does the browser if another page has kept a theme.
+  addEventListener('storage', show);
   show();
 })();
