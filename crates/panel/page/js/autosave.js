@@ -36,9 +36,10 @@ let queue = Promise.resolve();
 /** @type {Promise<IDBDatabase> | null} */
 let database = null;
 
-const result = (request) => new Promise((resolve, reject) => {
-  request.onsuccess = () => resolve(request.result);
-  request.onerror = () => reject(request.error);
+/** The result of a request, or the end of a transaction. */
+const result = (work) => new Promise((resolve, reject) => {
+  work.onsuccess = work.oncomplete = () => resolve(work.result);
+  work.onerror = work.onabort = ({ target }) => reject(target.error);
 });
 
 function connect() {
@@ -51,12 +52,7 @@ function connect() {
 async function transact(work) {
   database ??= connect();
   const transaction = (await database).transaction('patches', 'readwrite');
-  const done = new Promise((resolve, reject) => {
-    transaction.oncomplete = resolve;
-    transaction.onabort = () => reject(transaction.error);
-  });
-  const answer = work(transaction.objectStore('patches'));
-  await done;
+  const [, answer] = await Promise.all([result(transaction), work(transaction.objectStore('patches'))]);
   return answer;
 }
 

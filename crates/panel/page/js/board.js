@@ -7,7 +7,7 @@ import { draw, faceplate } from './faceplate.js';
 import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
 import { mountPatching } from './patching.js';
-import { on, outputOf, send, state, voltsOf } from './state.js';
+import { on, outputOf, refusalOf, send, state, voltsOf } from './state.js';
 import { Zoom } from './zoom.js';
 
 /** Milliseconds between two changes of the voltages. */
@@ -16,6 +16,10 @@ const PERIOD = 100;
 const MARKED = 4000;
 /** The least scale at which a page opens: fingers need it. */
 const READABLE = 0.55;
+/** The commands that remove what is at a place, by its type. */
+const REMOVE = {
+  cord: ({ cord }) => send('unplug', cord), loose: ({ id }) => send('remove-loose', { id }), module: ({ name }) => send('remove-element', { name }),
+};
 
 const root = byId('board');
 const parts = partsOf(root);
@@ -63,7 +67,7 @@ function showTip(one, canRemove = !tipButton.hidden) {
   tip.hidden = !one;
   if (!one) return;
   tipText.textContent = describe(one);
-  tipButton.hidden = !canRemove || !['cord', 'module', 'loose'].includes(one.type);
+  tipButton.hidden = !canRemove || !(one.type in REMOVE);
   put(tip, one);
 }
 /** Shows what the pointer is on; without it, what has the focus. */
@@ -120,11 +124,8 @@ const board = {
   isLocked: () => canvas.dataset.lock === 'true',
   reach: (distance) => distance / Math.min(zoom.scale, 1.4),
   back: () => focus(current?.key),
-  remove({ type, cord, id, name }) {
-    const commands = { cord: ['unplug', cord], loose: ['remove-loose', { id }], module: ['remove-element', { name }] };
-    const [command, what] = commands[type];
-    send(command, what);
-    say(`Removed ${name}. Undo brings it back.`);
+  async remove(one) {
+    if (!refusalOf(await REMOVE[one.type](one))) say(`Removed ${one.name}. Undo brings it back.`);
   },
 };
 

@@ -90,8 +90,7 @@ function mountTime() {
 function mountOverload() {
   on('frame', ({ firstLamp }) => {
     const name = state.patch?.outputs[firstLamp]?.name;
-    byId('overload').dataset.lit = Boolean(name);
-    write(byId('overload-text'), name ? `Overload: ${name}` : 'No overload');
+    write(byId('overload'), name ? `Overload: ${name}` : '');
   });
 }
 

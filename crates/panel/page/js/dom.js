@@ -102,8 +102,9 @@ export function template(id, texts = {}) {
   return { node, ...parts };
 }
 
-/** A copy of the drawing in a template, with more attributes. */
-export const shape = (id, attributes) => fill(byId(id).content.querySelector('svg > *').cloneNode(true), attributes);
+/** A copy of the drawing in a template, with more attributes and children. @returns {any} */
+export const shape = (id, attributes, ...children) =>
+  fill(byId(id).content.querySelector('svg > *').cloneNode(true), attributes, children);
 
 /** The attributes of a place of the patch panel that can have the focus, if it has a key. */
 export const keyed = (key) => key && { role: 'button', tabindex: -1, 'data-key': key };
@@ -117,6 +118,12 @@ export function write(element, text) {
 export function float(box, x, y, width = innerWidth, height = innerHeight) {
   box.style.left = `${within(8, x, width - box.offsetWidth - 8)}px`;
   box.style.top = `${within(8, y, height - box.offsetHeight - 8)}px`;
+}
+
+/** Shows parts that were made from a template. Returns them. */
+export function place(parent, parts) {
+  parent.replaceChildren(...parts.map(({ node }) => node));
+  return parts;
 }
 
 /** A button with a text. */

@@ -5,8 +5,9 @@ import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { ask, emit, highlight, on, state } from './state.js';
 
+const root = byId('equations');
 /** The Greek letters by their names, from index.html. */
-const letters = new Map();
+const letters = new Map(Object.entries(JSON.parse(root.dataset.letters)));
 /** A number, a name with its primes or with the parenthesis of a function, or a sign. */
 const TOKEN = /\d+(?:\.\d+)?(?:e[+-]?\d+)?|[\p{L}_][\p{L}\d_.]*(?:'+|\()?|\S/gu;
 const PRIMES = ['', '′', '″', '‴'];
@@ -127,9 +128,7 @@ function equation(text) {
   return [...set(left), ...operator('='), ...value];
 }
 
-const root = byId('equations');
 const { message, body, plain, latex, solved, more, unplaced, stated } = partsOf(root);
-for (const [, name, letter] of root.dataset.letters.matchAll(/(\S+) (\S+)/g)) letters.set(name, letter);
 
 async function copy(text) {
   if (await copyText(text)) toast('The equations are copied.', 'note');

@@ -116,10 +116,9 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
 }
 
 /** Puts a toggle switch or a list of words on a card. Returns how it is updated. */
-function switchOn({ control, lines }, { title, view }, set) {
+function switchOn({ control }, { title, view }, set) {
   const { node, list, toggle, word, message } = template('switch');
   control.replaceWith(node);
-  lines.remove();
   const change = async (value) => { message.textContent = refusalOf(await set(value)) ?? ''; };
   list.ariaLabel = title;
   list.append(...(view.words ?? []).map((each) => new Option(each)));

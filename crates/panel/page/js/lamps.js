@@ -1,6 +1,6 @@
 /** The overload lamps: one for every amplifier that has one, and a list of what lit them. */
 
-import { button, byId, changeDetector, el, quantity } from './dom.js';
+import { button, byId, changeDetector, el, place, quantity } from './dom.js';
 import { highlight, on, state } from './state.js';
 
 /** How the lamp of an output looks: "off", "lit", or "first" if it lit first. */
@@ -17,8 +17,7 @@ const seek = (name, element, attributes) => button(name, () => highlight({ eleme
 on('patch', ({ elements }) => {
   const own = elements.filter(({ lamp }) => lamp).map(({ name, outputs: [output] }) => ({ name, output }));
   if (!hasOtherLamps(own)) return;
-  lamps = own.map((lamp) => ({ ...lamp, node: seek(lamp.name, lamp.name, { class: 'lamp' }) }));
-  grid.replaceChildren(...lamps.map(({ node }) => node));
+  lamps = place(grid, own.map((lamp) => ({ ...lamp, node: seek(lamp.name, lamp.name, { class: 'lamp' }) })));
 });
 on('frame', (frame) => {
   for (const { name, output, node } of lamps) {

@@ -97,8 +97,8 @@ function mountPopovers() {
 /** Connects and brings the first patch; also after the connection was lost. */
 async function start() {
   // There is one attempt at a time.
-  link.hidden = true;
-  const isOpen = await open().then(() => true, ({ message }) => emit('link', { connected: false, message }));
+  emit('link', '');
+  const isOpen = await open().then(() => true, ({ message }) => emit('link', message));
   if (!isOpen) return;
   sendViews();
   await begin();

@@ -8,7 +8,7 @@
  *   offset: number | null}} Curves  an output
  */
 
-import { byId, format, minus, partsOf, quantity, roundUp, svg, template } from './dom.js';
+import { byId, format, minus, partsOf, place, quantity, roundUp, svg, template } from './dom.js';
 
 /** The parts of the view. */
 export const view = partsOf(byId('measured'));
@@ -18,12 +18,6 @@ const [LEFT, GAP, ABOVE, BELOW] = [64, 8, 30, 44];
 
 /** @type {(Record<string, any> & {output?: Curves})[]} */
 let figures = [];
-
-/** Shows parts that were made from a template. Returns them. */
-export function place(parent, parts) {
-  parent.replaceChildren(...parts.map(({ node }) => node));
-  return parts;
-}
 
 /** About so many round values between two values. */
 function ticks(low, high, count) {

@@ -4,14 +4,14 @@
  * sent, so that the latest values win.
  */
 
-import { byId, parse, quantity, template, write } from './dom.js';
+import { byId, parse, place, quantity, template, write } from './dom.js';
 import { download } from './files.js';
 import { connectComparison } from './link.js';
-import { place, showCurves, view } from './measured-plot.js';
+import { showCurves, view } from './measured-plot.js';
 import { actions, list, showFound, showProgress } from './measured-search.js';
 import { ask, on, refusalOf, send, sendAll, state } from './state.js';
 
-/** The view. Its data attribute `busy` names the request that takes long, and `file` says that there are columns. */
+/** The view. Its data attribute `busy` names the request that takes long. */
 const root = byId('measured');
 
 /** @type {import('./link.js').Link | null} */
@@ -104,7 +104,6 @@ const TAKE = {
     const before = shown === given && patchName === state.patch.file ? experiment() : suggestion;
     const known = knobs.map(({ key }) => key);
     [shown, patchName] = [given, state.patch.file];
-    root.dataset.file = '';
     view.file.textContent = `${file}, ${rows} rows`;
     columns = place(view.columns, event.columns.map((each) => columnOf(each, event, before)));
     knobs = place(view.knobs, event.parameters.map((each) => knobOf(each, known.includes(each.name) ? before : suggestion)));

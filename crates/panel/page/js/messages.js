@@ -23,21 +23,21 @@ function findingItem({ code, severity, message, hint, place }) {
 /** A number of things, or nothing if there are none. */
 const count = (number, word) => number && `${number} ${word}${number === 1 ? '' : 's'}`;
 
+const [findings, correct, checks] = ['findings', 'correct', 'checks'].map(byId);
+
 function showFindings() {
   const errors = state.findings.filter(({ severity }) => severity === 'error').length;
   const summary = joined([count(errors, 'error'), count(state.findings.length - errors, 'warning')]);
-  byId('findings').replaceChildren(...state.findings.map(findingItem));
-  byId('correct').hidden = !state.findings.some(({ code }) => code.startsWith('equation-'));
-  byId('checks').dataset.worst = errors ? 'error' : summary ? 'warning' : 'none';
-  write(byId('checks-text'), summary || 'The patch has no faults');
+  findings.replaceChildren(...state.findings.map(findingItem));
+  correct.hidden = !state.findings.some(({ code }) => code.startsWith('equation-'));
+  write(checks, summary || 'The patch has no faults');
 }
 
 /** Searches for corrections, which takes seconds. They are in the hints of the findings. */
 async function findCorrections() {
-  const correct = byId('correct');
   if (correct.ariaBusy === 'true') return;
   correct.ariaBusy = true;
-  write(byId('checks-text'), 'Searching for corrections…');
+  write(checks, 'Searching for corrections…');
   const hints = () => state.findings.map(({ hint }) => hint).join();
   const before = hints();
   const answer = await send('advise');
@@ -46,7 +46,7 @@ async function findCorrections() {
   if (answer.length === 0) return;
   if (hints() === before) toast('No single change corrects the equations.', 'note');
   correct.hidden = true;
-  byId('findings').focus();
+  findings.focus();
 }
 
 /** Where the user looks: the pointer, or the control with the focus if a key was the last input. */
@@ -78,15 +78,12 @@ export function toast(message, kind = 'error') {
 const move = ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; };
 for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
 document.addEventListener('keydown', () => { pointer = null; });
-byId('correct').onclick = findCorrections;
+correct.onclick = findCorrections;
 on('findings', showFindings);
 on('refused', ({ message, place: where }) => {
   if (where) highlight(where);
   // The patch panel shows it at the jack.
   if (!where?.element || !byId('board').offsetParent) toast(message);
 });
-on('link', ({ connected, message }) => {
-  byId('link').hidden = connected;
-  write(byId('link').firstChild, message);
-});
-on('probing', (waits) => root.toggleAttribute('data-probing', waits));
+on('link', (message) => write(byId('link').firstChild, message));
+on('probing', (listener) => root.toggleAttribute('data-probing', Boolean(listener)));

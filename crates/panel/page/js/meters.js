@@ -28,11 +28,8 @@ function meterOf(title, connect) {
   digits.ariaLabel = title;
   list.ariaLabel = `Output at the ${title.toLowerCase()}`;
   list.onchange = () => connect(list.value || null);
-  probe.onclick = () => {
-    selectProbe(connect);
-    probe.ariaPressed = true;
-  };
-  on('probing', (waits) => { if (!waits) probe.ariaPressed = false; });
+  probe.onclick = () => selectProbe(connect);
+  on('probing', (listener) => { probe.ariaPressed = listener === connect; });
   return {
     node, outputs,
     /** Sets the ends of the scale. */

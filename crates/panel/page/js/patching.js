@@ -1,7 +1,7 @@
 /** Patching by mouse, touch and keys. */
 
 import { cordClass, keysOf, lay } from './cords.js';
-import { shape } from './dom.js';
+import { fill, hasModifier, shape } from './dom.js';
 import { highlight, isProbing, probed, send } from './state.js';
 import { ahead, ARROWS, cheapest } from './zoom.js';
 
@@ -117,54 +117,6 @@ export function mountPatching(board) {
     if (one?.type === 'free' && !isLocked()) board.add(one.section);
   }
 
-  const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
-  board.zoom.listen(() => !press || (press.isMoved && !press.isDragging));
-  listen('pointerdown', (event) => {
-    if (event.button) return;
-    const { pointerId, clientX, clientY, target } = event;
-    if (board.zoom.pointers.size > 1) {
-      if (press?.isDragging) release();
-      press = null;
-      return;
-    }
-    canvas.setPointerCapture(pointerId);
-    press = {
-      at: [clientX, clientY], hit: nearest(event),
-      key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob
-    };
-  });
-  listen('pointermove', (event) => {
-    const { clientX, clientY, target, pointerType } = event;
-    if (board.zoom.pointers.size > 1) return;
-    if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
-      press.isMoved = true;
-      press.isDragging = press.hit !== null && !isLocked();
-      if (press.isDragging) begin(press.hit, event.shiftKey || event.ctrlKey);
-    }
-    if (hand && (!press || press.isDragging)) {
-      const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
-      aim(goal, goal ?? board.zoom.units(event));
-    } else if (!press && pointerType === 'mouse') {
-      const hit = nearest(event);
-      board.hover((hit?.type === 'plug' ? stop(keysOf(hit.cord).cord) : hit) ?? stop(target.closest('[data-key]')?.dataset.key) ?? null);
-    }
-  });
-  listen('pointerup pointercancel', (event) => {
-    const done = press;
-    press = null;
-    if (!done || event.type === 'pointercancel') {
-      if (done?.isDragging) release();
-    } else if (done.isDragging && hand) {
-      const goal = nearest(event, isJack);
-      board.focus((goal ?? hand.fixed).key);
-      if (goal) plugInto(goal);
-      else drop(board.zoom.units(event));
-    } else if (!done.isMoved) click(done);
-  });
-  listen('pointerleave', () => { if (!press) board.hover(null); });
-  // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
-  listen('mousedown touchstart', (event) => event.preventDefault(), { passive: false });
-
   /** The nearest place in a direction. Cords follow each other in their order. */
   function next(from, [dx, dy]) {
     const all = board.stops.filter(({ type }) => (type === 'cord') === (from.type === 'cord'));
@@ -192,9 +144,60 @@ export function mountPatching(board) {
     } else return false;
     return true;
   }
-  listen('keydown', (event) => {
-    const one = stop(event.target.dataset.key);
-    if (one && !event.ctrlKey && !event.metaKey && !event.altKey && key(event.key, one)) event.preventDefault();
+
+  const keyAt = ({ target }) => target.closest('[data-key]')?.dataset.key;
+  // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
+  const prevent = (event) => event.preventDefault();
+  board.zoom.listen(() => !press || (press.isMoved && !press.isDragging));
+  fill(canvas, {
+    onpointerdown(event) {
+      if (event.button) return;
+      if (board.zoom.pointers.size > 1) {
+        if (press?.isDragging) release();
+        press = null;
+        return;
+      }
+      const { pointerId, clientX, clientY, target } = event;
+      canvas.setPointerCapture(pointerId);
+      press = { at: [clientX, clientY], hit: nearest(event), key: keyAt(event), knob: target.closest('[data-knob]')?.dataset.knob };
+    },
+    onpointermove(event) {
+      const { clientX, clientY, pointerType } = event;
+      if (board.zoom.pointers.size > 1) return;
+      if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
+        press.isMoved = true;
+        press.isDragging = press.hit !== null && !isLocked();
+        if (press.isDragging) begin(press.hit, event.shiftKey || event.ctrlKey);
+      }
+      if (hand && (!press || press.isDragging)) {
+        const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
+        aim(goal, goal ?? board.zoom.units(event));
+      } else if (!press && pointerType === 'mouse') {
+        const hit = nearest(event);
+        board.hover((hit?.type === 'plug' ? stop(keysOf(hit.cord).cord) : hit) ?? stop(keyAt(event)) ?? null);
+      }
+    },
+    onpointerup(event) {
+      const done = press;
+      press = null;
+      if (done?.isDragging && hand) {
+        const goal = nearest(event, isJack);
+        board.focus((goal ?? hand.fixed).key);
+        if (goal) plugInto(goal);
+        else drop(board.zoom.units(event));
+      } else if (done && !done.isMoved) click(done);
+    },
+    onpointercancel() {
+      if (press?.isDragging) release();
+      press = null;
+    },
+    onpointerleave: () => { if (!press) board.hover(null); },
+    onmousedown: prevent,
+    ontouchstart: prevent,
+    onkeydown(event) {
+      const one = stop(event.target.dataset.key);
+      if (one && !hasModifier(event) && key(event.key, one)) event.preventDefault();
+    },
   });
   board.release = release;
 }

@@ -196,10 +196,10 @@ const showMarks = () => {
     const { port, at, from } = cells.get(output).output;
     const [x, y] = port ? [at[0], at[1] + 21] : from;
     const right = 24 * count(output);
-    const tip = fill(shape('tip'), {
+    const tip = shape('tip', {
       'data-look': look, 'data-bare': port || right > 0,
       'aria-label': `${name} at ${outputName(output)}`, transform: `translate(${x + right} ${y})`,
-    }, [svg('title', null, name)]);
+    }, svg('title', null, name));
     tip.querySelector('text').textContent = mark;
     return tip;
   });
@@ -209,7 +209,7 @@ const showMarks = () => {
     const [x, y] = at ?? [area[0] + 4, area[1] + 4];
     const label = `${severity} at ${placeName(where)}: ${text}`;
     const transform = `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})`;
-    return fill(shape(`mark-${severity}`), { role: 'img', 'aria-label': label, transform }, [svg('title', null, text)]);
+    return shape(`mark-${severity}`, { role: 'img', 'aria-label': label, transform }, svg('title', null, text));
   });
   marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
 };
@@ -252,7 +252,6 @@ const draw = () => {
   showMarks();
 };
 on('schematic', ({ drawing: next, message: text }) => {
-  picture.toggleAttribute('data-stale', !next);
   message.textContent = text;
   if (!next) return;
   const isOther = !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;

@@ -57,9 +57,13 @@ export async function takeLink() {
   }
 }
 
+const { link, status, server, long, system, again } = partsOf(dialog);
+system.hidden = !navigator.share;
+system.onclick = () => navigator.share({ url: link.value }).catch(() => {});
+again.onclick = copy;
+
 /** Copies the link. */
 async function copy() {
-  const { link, status } = partsOf(dialog);
   link.select();
   status.textContent = await copyText(link.value) ? 'The link is copied.' : 'Select the link and copy it.';
 }
@@ -70,13 +74,9 @@ export async function share() {
   if (!patch) return;
   const coded = (await deflate(patch.text)).toBase64({ alphabet: 'base64url', omitPadding: true });
   const url = `${location.href.split(/[?#]/)[0]}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
-  const { link, server, long, system, again } = partsOf(dialog);
   link.value = url;
   server.hidden = state.host?.kind !== 'server' && location.protocol !== 'file:';
   long.hidden = url.length <= LONG_LINK;
-  system.hidden = !navigator.share;
-  system.onclick = () => navigator.share({ url }).catch(() => {});
-  again.onclick = copy;
   dialog.showModal();
   copy();
 }

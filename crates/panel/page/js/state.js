@@ -19,8 +19,9 @@ const LISTS = ['findings', 'scopes'];
 const listeners = new Map();
 
 /**
- * Calls the listener with the data of each event of these names. The page adds `frame`,
- * `link` ({connected, message}), `highlight` (a place), `probing` (whether a probe waits) and `saved`.
+ * Calls the listener with the data of each event of these names. The page adds `frame`, `link` (why there is no
+ * connection, or an empty text), `highlight` (a place), `pointed` (the output or parameter at the pointer), `probing` (the listener that waits for an
+ * output, or null), `data` (a file of measured data) and `saved`.
  * @param {string} names one or several, with blanks between them
  */
 export function on(names, listener) {
@@ -130,11 +131,11 @@ export const voltsOf = (name) => state.frame?.volts[state.numbers.get(name)];
 export async function open() {
   const host = await connect();
   state.host = host;
-  emit('link', { connected: true, message: '' });
+  emit('link', '');
   host.lost.then((message) => {
     state.host = null;
     for (const job of waiting.splice(0)) job.resolve([]);
-    emit('link', { connected: false, message });
+    emit('link', message);
   });
   await send('hello');
 }
@@ -151,7 +152,7 @@ let probe = null;
  */
 export function selectProbe(listener) {
   probe = listener;
-  emit('probing', true);
+  emit('probing', probe);
 }
 
 /** A view reports a click on an output. */
@@ -164,7 +165,7 @@ export function probed(output) {
 export function cancelProbe() {
   if (!isProbing()) return;
   probe = null;
-  emit('probing', false);
+  emit('probing', null);
 }
 
 export const isProbing = () => probe !== null;
