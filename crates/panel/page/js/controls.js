@@ -1,42 +1,36 @@
 /** The controls of the machine: modes, time, speed, run, history. */
 
-import { byId, format, parse, quantity, root, within, write } from './dom.js';
+import { byId, choice, format, parse, quantity, root, within, write } from './dom.js';
 import { bind } from './keys.js';
 import { on, send, state } from './state.js';
 
 /** Below this share of the wanted speed the page reports that the machine is slow. */
 const SLOW = 0.95;
 
-/** Presses those buttons of a group to which something applies. */
-export function press(group, applies) {
-  for (const each of group.children) each.ariaPressed = applies(each);
-}
-
 function mountModes() {
-  const [modes, text] = [byId('modes'), byId('mode-text')];
-  for (const each of modes.children) {
-    each.onclick = () => send('mode', { mode: each.value });
-  }
+  const text = byId('mode-text');
+  const press = choice('modes', (mode) => send('mode', { mode }));
   on('machine', ({ mode, stopped }) => {
-    press(modes, ({ value }) => value === mode);
+    press(mode);
     text.dataset.stopped = Boolean(stopped);
-    write(text, stopped ?? modes.querySelector(`[value=${mode}]`).dataset.about);
+    write(text, stopped ?? document.querySelector(`.mode[value=${mode}]`).dataset.about);
     // A first look at the panel: the button that makes a trace stands out until the machine has run.
     if (['operate', 'repetitive', 'single'].includes(mode)) delete root.dataset.first;
   });
 }
 
 function mountSpeed() {
-  const buttons = [...byId('speed').children];
-  const has = ({ value }, speed) => value === String(speed ?? '');
-  for (const each of buttons) each.onclick = () => send('speed', { factor: Number(each.value) || null });
+  const press = choice('speed', (value) => send('speed', { factor: Number(value) || null }));
+  /** The value of the button for a speed. The fastest one has none. */
+  const valueOf = (speed) => String(speed ?? '');
   const step = (by) => {
-    const at = buttons.findIndex((each) => has(each, state.machine?.speed));
+    const buttons = [...byId('speed').children];
+    const at = buttons.findIndex(({ value }) => value === valueOf(state.machine?.speed));
     buttons[within(0, (at < 0 ? 1 : at) + by, buttons.length - 1)].click();
   };
   bind(',', 'Slower', () => step(-1));
   bind('.', 'Faster', () => step(1));
-  on('machine', ({ speed, rate }) => press(byId('speed'), (each) => rate === null && has(each, speed)));
+  on('machine', ({ speed, rate }) => press(rate === null && valueOf(speed)));
 }
 
 function mountPause() {

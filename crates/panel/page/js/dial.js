@@ -77,9 +77,10 @@ function typed(text, unit) {
 
 /**
  * Makes a dial, of many turns if it is that of a pot. `show` gives it the value of the session. An absent end of the range
- * grows. `turned` is called once a frame and resolves with the events of the answer.
+ * grows. `turned` is called once a frame and resolves with the events of the answer. `blocked` says why a locked dial does
+ * not turn.
  * @param {{label: string, unit: string, range?: (number|null)[]|null, hasTurns?: boolean, isWhole?: boolean,
- *   turned: (value: number) => Promise<any[]>, reset?: () => void, blocked?: () => void}} options
+ *   turned: (value: number) => Promise<any[]>, reset?: () => void, blocked?: () => string}} options
  */
 export function dial(options) {
   const { label, hasTurns } = options;
@@ -151,7 +152,7 @@ export function dial(options) {
 
   /** Begins a turn, unless the dial is locked. */
   function mayTurn() {
-    if (isLocked) options.blocked?.();
+    if (isLocked) note(options.blocked());
     else {
       scale.extend(shown || 0, true);
       draw(shown || within(scale.low, 0, scale.high));

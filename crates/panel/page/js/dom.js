@@ -4,7 +4,7 @@ const SVG = 'http://www.w3.org/2000/svg';
 
 /**
  * Sets attributes. A function for `onx` becomes a listener, `true` an empty attribute; false and null are left out.
- * @param {Element} element
+ * @param {Element | Document} element
  * @param {Record<string, any> | null} attributes
  * @param {any[]} children elements, texts and numbers; null and false are left out
  */
@@ -128,6 +128,13 @@ export function place(parent, parts) {
 
 /** A button with a text. */
 export const button = (text, onclick, attributes) => el('button', { type: 'button', onclick, ...attributes }, text);
+
+/** Connects the buttons of a group. Returns a function that presses the button with a value, and no other one. */
+export function choice(id, run) {
+  const buttons = [...byId(id).children];
+  for (const each of buttons) each.onclick = () => run(each.value);
+  return (value) => { for (const each of buttons) each.ariaPressed = each.value === value; };
+}
 
 /** A number with at most this number of significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
 export function format(number, digits = 4) {

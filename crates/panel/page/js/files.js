@@ -1,9 +1,9 @@
 /** Opening, saving, and what the page begins with. */
 
 import { isChanged, keep, markSaved, replace, restore, resume } from './autosave.js';
-import { byId, el, joined, named, root } from './dom.js';
+import { byId, el, fill, joined, named, root } from './dom.js';
 import { pieces, showGallery } from './gallery.js';
-import { token } from './link.js';
+import { tokenQuery } from './link.js';
 import { toast } from './messages.js';
 import { read } from './resources.js';
 import { baseName, share, takeLink, textOf } from './share.js';
@@ -12,10 +12,6 @@ import { ask, emit, on, send, state } from './state.js';
 /** The largest file in bytes, as for the command. */
 const LARGEST_FILE = 16e6;
 
-/** Puts the path of a patch of the gallery into the address, or none. */
-function setAddress(path = '') {
-  history.replaceState(null, '', location.pathname + (path && `?patch=${path}`));
-}
 
 /** Opens something. A fault becomes a message. @returns {Promise<boolean>} whether it is open */
 const attempt = (open) => open().catch((fault) => {
@@ -35,12 +31,23 @@ async function mayReplace() {
     || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
 }
 
+/**
+ * Opens another patch in the place of the present one, and puts its path in the gallery, if any, into the address.
+ * @returns {Promise<boolean>} whether it is open
+ */
+const change = (open, path = '') => attempt(async () => {
+  const isOpen = await mayReplace() && await open();
+  if (isOpen) history.replaceState(null, '', location.pathname + (path && `?patch=${path}`));
+  return isOpen;
+});
+
 const isData = ({ name }) => /\.(csv|tsv|txt)$/i.test(name);
 
 const openFile = (file) => attempt(async () => {
-  const text = await textOf(file.stream(), LARGEST_FILE, `The file ${file.name}`);
-  if (isData(file)) emit('data', { name: file.name, text });
-  else if (await mayReplace() && await openText(file.name, text)) setAddress();
+  const { name } = file;
+  const text = await textOf(file.stream(), LARGEST_FILE, `The file ${name}`);
+  if (isData(file)) emit('data', { name, text });
+  else await change(() => openText(name, text));
 });
 
 /** Opens files: the patch first, because measured data are compared with it. */
@@ -49,14 +56,9 @@ async function openFiles(files) {
 }
 
 function chooseMachine() {
-  const isPresent = ({ name }) => name === state.patch?.machine;
-  byId('machine').replaceChildren(...(state.hello?.machines ?? []).map((each) =>
-    new Option(each.title || each.name, each.name, false, isPresent(each))));
+  machine.replaceChildren(...(state.hello?.machines ?? []).map(({ name, title }) => new Option(title || name, name)));
+  machine.value = state.patch?.machine;
   byId('new-dialog').showModal();
-}
-
-async function create() {
-  if (await mayReplace() && await replace('new', { machine: byId('machine').value || null })) setAddress();
 }
 
 /** Gives the user a file. */
@@ -76,17 +78,19 @@ async function save() {
 function mountDrop() {
   const hasFile = ({ dataTransfer }) => dataTransfer?.types.includes('Files');
   const show = (isOver) => root.toggleAttribute('data-dropping', isOver);
-  addEventListener('dragover', (event) => {
-    if (!hasFile(event)) return;
-    event.preventDefault();
-    show(true);
-  });
-  addEventListener('dragleave', ({ relatedTarget }) => { if (relatedTarget === null) show(false); });
-  addEventListener('drop', (event) => {
-    show(false);
-    if (!hasFile(event)) return;
-    event.preventDefault();
-    openFiles(event.dataTransfer.files);
+  fill(document, {
+    ondragover(event) {
+      if (!hasFile(event)) return;
+      event.preventDefault();
+      show(true);
+    },
+    ondragleave: ({ relatedTarget }) => { if (relatedTarget === null) show(false); },
+    ondrop(event) {
+      show(false);
+      if (!hasFile(event)) return;
+      event.preventDefault();
+      openFiles(event.dataTransfer.files);
+    },
   });
 }
 
@@ -118,17 +122,15 @@ async function openLink() {
 async function openGiven() {
   const { patch, text } = state.host ?? {};
   if (!patch) return false;
-  return openText(patch, text ?? await textAt('patch', new URL(`patch?token=${encodeURIComponent(token())}`, document.baseURI)));
+  return openText(patch, text ?? await textAt('patch', new URL(`patch${tokenQuery()}`, document.baseURI)));
 }
 
 const GALLERY = {
   /** One click opens a patch and runs it. */
-  open: (path) => attempt(async () => {
-    if (!await mayReplace() || !await openAt(path)) return;
-    setAddress(path);
-    send('mode', { mode: 'operate' });
-  }),
-  restore: (id) => attempt(async () => { if (await mayReplace() && await restore(id)) setAddress(); }),
+  async open(path) {
+    if (await change(() => openAt(path), path)) send('mode', { mode: 'operate' });
+  },
+  restore: (id) => change(() => restore(id)),
 };
 
 /** Brings the first patch. If nothing names one, the gallery opens. */
@@ -143,27 +145,30 @@ export async function begin() {
 
 /** Shows the title of the patch, with a mark while the patch differs from its file. */
 function showTitle() {
-  const { title, file, source, note, machine } = state.patch;
+  const { title, file, source, note, machine: type } = state.patch;
   const name = title || file || 'New patch';
-  const type = named(state.hello?.machines, machine)?.title || machine;
   byId('title').textContent = byId('title').title = name;
-  byId('subtitle').textContent = joined([file !== name && file, type], ' · ');
+  byId('subtitle').textContent = joined([file !== name && file, named(state.hello?.machines, type)?.title || type], ' · ');
   byId('about-text').textContent = joined([note, source], '\n\n');
   root.toggleAttribute('data-changed', isChanged());
   document.title = `${isChanged() ? '• ' : ''}${name} – patchcord`;
 }
 
-const input = byId('file');
+const [input, machine] = [byId('file'), byId('machine')];
 input.onchange = () => {
   openFiles(input.files);
   // The same file can be opened again after a change.
   input.value = '';
 };
-const actions = { save, share, create, new: chooseMachine, open: () => input.click(), gallery: () => showGallery(GALLERY) };
+const actions = {
+  save, share, new: chooseMachine, create: () => change(() => replace('new', { machine: machine.value || null })),
+  open: () => input.click(), gallery: () => showGallery(GALLERY),
+};
 for (const [id, run] of Object.entries(actions)) byId(id).onclick = run;
 mountDrop();
 on('patch saved', showTitle);
 addEventListener('hashchange', () => {
-  token();
+  // A token in the address is kept.
+  tokenQuery();
   attempt(openLink);
 });

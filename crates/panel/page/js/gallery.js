@@ -70,7 +70,7 @@ export async function showGallery({ open, restore }) {
   if (dialog.open) return;
   const sections = { Recent: kept.map((row) => keptCard(row, all, restore)) };
   for (const piece of all) (sections[piece.group] ??= []).push(pieceCard(piece, open));
-  body.replaceChildren(...Object.entries(sections).filter(([, cards]) => cards.length).map(([name, cards]) =>
+  body.replaceChildren(...Object.entries(sections).map(([name, cards]) =>
     el('section', { 'aria-label': name }, el('h3', null, name), el('ul', null, cards))));
   search.value = status.textContent = '';
   dialog.showModal();

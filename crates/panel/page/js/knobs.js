@@ -85,8 +85,7 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
   const knob = dial({
     label: about ? `${title}, ${about}` : title, unit, range: view.range, turned: set, reset,
     isWhole: view.unit === 'whole number', hasTurns: place.setting === 'setting',
-    blocked: () =>
-      knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
+    blocked: () => `A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`,
   });
   control.replaceWith(knob.node);
   law.onclick = () => {

@@ -23,10 +23,10 @@ export function takeFromAddress(name) {
 }
 
 /**
- * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
- * mistake, and links also open in other tabs.
+ * The token of the server as the query of an address. It moves from the address bar into the storage of its pages, so that
+ * it is not shared by mistake, and links also open in other tabs.
  */
-export const token = () => stored('token', takeFromAddress('token')) ?? '';
+export const tokenQuery = () => `?token=${encodeURIComponent(stored('token', takeFromAddress('token')) ?? '')}`;
 
 /** The kind of the host in host.json. */
 let kind = '';
@@ -63,7 +63,7 @@ function linkOf(post, end) {
 
 /** @returns {Promise<Link>} */
 function connectServer(path) {
-  const address = new URL(`${path}?token=${encodeURIComponent(token())}`, document.baseURI);
+  const address = new URL(path + tokenQuery(), document.baseURI);
   address.protocol = address.protocol.replace('http', 'ws');
   const socket = new WebSocket(address);
   socket.binaryType = 'arraybuffer';
@@ -116,7 +116,6 @@ const connectTo = (path, module) => (kind === 'server' ? connectServer(path) : c
 
 /** Connects to the host that host.json names. @returns {Promise<Link>} */
 export async function connect() {
-  token();
   const { host, patch, text } = await (await read('host.json')).json();
   kind = host;
   return Object.assign(await connectTo('session', 'engine.wasm'), { patch, text });

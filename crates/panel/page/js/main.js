@@ -2,8 +2,8 @@
 
 import './board.js';
 import './check.js';
-import { press } from './controls.js';
-import { byId, root, stored } from './dom.js';
+import './controls.js';
+import { byId, choice, fill, root, stored } from './dom.js';
 import './equations.js';
 import { begin } from './files.js';
 import { bind } from './keys.js';
@@ -25,11 +25,13 @@ function sendViews() {
   if (state.host) send('views', { schematic: isShown('schematic'), equations: isShown('equations') });
 }
 
+const pressLayout = choice('layout', setLayout);
+
 /** How the scopes and the views share the page: "scopes", "both" or "view". */
 function setLayout(name) {
   root.dataset.layout = name;
   stored('layout', name);
-  press(byId('layout'), ({ value }) => value === name);
+  pressLayout(name);
   sendViews();
 }
 
@@ -55,7 +57,6 @@ function mountTabs() {
       select(next);
     };
   });
-  for (const each of byId('layout').children) each.onclick = () => setLayout(each.value);
   bind('V', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
   const before = stored('layout') ?? 'both';
   select(byId(stored('tab')) ?? tabs[0]);
@@ -85,13 +86,12 @@ function mountAppearance() {
 
 /** A menu closes when the user goes elsewhere, and by the Escape key. */
 function mountPopovers() {
-  for (const kind of ['pointerdown', 'focusin', 'keydown']) {
-    document.addEventListener(kind, ({ key, target }) => {
-      for (const each of document.querySelectorAll('.popover[open]')) {
-        if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
-      }
-    });
-  }
+  const close = ({ key, target }) => {
+    for (const each of document.querySelectorAll('.popover[open]')) {
+      if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
+    }
+  };
+  fill(document, { onpointerdown: close, onfocusin: close, onkeydown: close });
 }
 
 /** Connects and brings the first patch; also after the connection was lost. */

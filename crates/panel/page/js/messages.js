@@ -1,6 +1,6 @@
 /** Findings of the checker, refusals, and the state of the connection. */
 
-import { byId, float, joined, root, template, write } from './dom.js';
+import { byId, fill, float, joined, root, template, write } from './dom.js';
 import { highlight, on, send, state } from './state.js';
 
 /** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
@@ -76,8 +76,7 @@ export function toast(message, kind = 'error') {
 }
 
 const move = ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; };
-for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
-document.addEventListener('keydown', () => { pointer = null; });
+fill(document, { onpointermove: move, onpointerdown: move, onkeydown: () => { pointer = null; } });
 correct.onclick = findCorrections;
 on('findings', showFindings);
 on('refused', ({ message, place: where }) => {

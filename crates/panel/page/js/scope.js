@@ -1,6 +1,6 @@
 /** A storage oscilloscope of the page: screen, controls, cursors, trigger level. */
 
-import { byId, changeDetector, fill, joined, quantity, template, within, write } from './dom.js';
+import { byId, changeDetector, fill, joined, quantity, root, template, within, write } from './dom.js';
 import { nameOf, reading } from './probes.js';
 import { mountControls, setPosition } from './scope-controls.js';
 import { save } from './scope-export.js';
@@ -185,7 +185,7 @@ function mountScope(index) {
     picture.ariaLabel = `Scope ${index + 1}, ${kind}. ${joined(texts, '. ') || 'No probe'}`;
   }
 
-  fill(node, { onfocusin: ({ target }) => { active = Number(target.parentElement.dataset.channel ?? active); } });
+  fill(node, { onfocusin: ({ target }) => { active = target.parentElement.dataset.channel ?? active; } });
   fill(box, {
     onwheel(event) {
       if (!model.controls || event.ctrlKey) return;
@@ -207,7 +207,7 @@ function mountScope(index) {
     schedule();
   };
   new ResizeObserver(resize).observe(box);
-  new MutationObserver(resize).observe(document.documentElement, { attributes: true });
+  new MutationObserver(resize).observe(root, { attributes: true });
 
   /** Takes over the session's controls. An answer to an earlier change would undo a later one. */
   function synchronise() {

@@ -37,7 +37,7 @@ const through = (data, stream) => new Blob([data]).stream().pipeThrough(stream);
 export const deflate = (text) => new Response(through(text, new CompressionStream('deflate-raw'))).bytes();
 
 /** The text of compressed bytes. Rejects if they are wrong or the text is larger than the limit. */
-export const inflate = (bytes, limit) => textOf(through(bytes, new DecompressionStream('deflate-raw')), limit, 'The patch in the link');
+export const inflate = (bytes, limit) => textOf(through(bytes, new DecompressionStream('deflate-raw')), limit, 'The patch');
 
 /** The name of a file without folders. */
 export const baseName = (path) => path.split(/[\\/]/).at(-1);
