@@ -2,7 +2,7 @@
 
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
-import { byId, fixed, float, joined, partsOf, quantity, rateLimiter, shape, stored, svg } from './dom.js';
+import { byId, fixed, float, hasFocus, joined, partsOf, quantity, rateLimiter, shape, stored, svg } from './dom.js';
 import { draw, faceplate } from './faceplate.js';
 import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
@@ -35,7 +35,6 @@ const zoom = new Zoom(root, [canvas, live], 20, READABLE, () => showTip(tipped))
 const stop = (key) => drawn.stops.get(key) ?? cords.stops.get(key);
 const say = (text) => { status.textContent = text; };
 const isVisible = () => root.offsetParent !== null;
-const hasFocus = () => canvas.contains(document.activeElement);
 
 // What a place is, as text.
 function volts(output) {
@@ -71,7 +70,7 @@ function showTip(one, canRemove = !tipButton.hidden) {
   put(tip, one);
 }
 /** Shows what the pointer is on; without it, what has the focus. */
-function hover(one, seen = one ?? (hasFocus() ? current : null)) {
+function hover(one, seen = one ?? (hasFocus(canvas) ? current : null)) {
   if (seen === tipped) return;
   cordLayer.querySelector('.is-active')?.classList.remove('is-active');
   if (seen?.type === 'cord') seen.node.classList.add('is-active');
@@ -135,7 +134,7 @@ async function render() {
   const name = [stored(`board.plate.${patch.machine}`), patch.machine].find((each) => each in board.plates) ?? 'plain';
   if (plate.name !== name) plate = { name, ...await faceplate(name) };
   if (patch !== state.patch) return;
-  const [before, had] = [current, hasFocus()];
+  const [before, had] = [current, hasFocus(canvas)];
   board.release();
   drawn = draw(plate, patch, state.hello?.kinds ?? []);
   cords = drawCords(patch, drawn.stops);

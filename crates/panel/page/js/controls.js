@@ -51,8 +51,8 @@ function pace(frame, factor) {
   return state.machine?.speed === null && state.machine?.rate === null ? 'as fast as possible' : 'running';
 }
 
-/** The time, the slider over the run, and the sentence about speed. */
-function mountTime() {
+/** The readout, and the slider over the run. */
+function mountReadout() {
   const [scrub, value] = [byId('scrub'), byId('scrub-time')];
   let [factor, isMoved] = [1, false];
   scrub.oninput = () => {
@@ -72,19 +72,14 @@ function mountTime() {
     if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
     write(byId('time'), clock(time));
     write(byId('pace'), pace(frame, factor));
+    // The lamp of the whole machine names the amplifier whose lamp lit first.
+    const first = state.patch.outputs[frame.firstLamp];
+    write(byId('overload'), first ? `Overload: ${first.name}` : '');
     if (isMoved) return;
     scrub.max = Math.max(time, Number(scrub.min));
     scrub.disabled = time <= Number(scrub.min);
     scrub.value = time;
     write(value, quantity(time, 's'));
-  });
-}
-
-/** The lamp of the whole machine: it names the amplifier whose lamp lit first. */
-function mountOverload() {
-  on('frame', ({ firstLamp }) => {
-    const name = state.patch?.outputs[firstLamp]?.name;
-    write(byId('overload'), name ? `Overload: ${name}` : '');
   });
 }
 
@@ -125,4 +120,9 @@ function mountHistory() {
   }
 }
 
-for (const mount of [mountModes, mountPause, mountSpeed, mountTime, mountOverload, mountTiming, mountHistory]) mount();
+mountModes();
+mountPause();
+mountSpeed();
+mountReadout();
+mountTiming();
+mountHistory();

@@ -162,6 +162,9 @@ export function quantity(value, unit = '', digits = 4) {
   return `${minus(mantissa)}${raised}${name && '\u202f'}${name}`;
 }
 
+/** Whether an element or what is in it has the focus. */
+export const hasFocus = (element) => element.contains(document.activeElement);
+
 /** The number in a field, or null. A decimal comma and a true minus sign are accepted. */
 export function parse(text) {
   const plain = text.trim().replace('−', '-').replace(',', '.');

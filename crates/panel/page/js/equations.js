@@ -46,12 +46,13 @@ const operator = (sign) => [span('op', ` ${sign}`), '\u00a0'];
  */
 function formula(text) {
   const tokens = text.match(TOKEN) ?? [];
+  const fail = () => { throw new Error(`This is no formula: ${text}`); };
   /** Takes the next token if it is this one. */
   const take = (sign) => tokens[0] === sign && tokens.shift();
   const list = () => {
     const items = sum();
     while (take(',')) items.push(span('op', ', '), ...sum());
-    if (!take(')')) throw new Error('expected )');
+    if (!take(')')) fail();
     return items;
   };
   /** An atom. `inner` is what is in parentheses that a fraction or a bar makes needless. */
@@ -62,7 +63,7 @@ function formula(text) {
       return { nodes: ['(', ...inner, ')'], inner };
     }
     if (/^\d/u.test(token)) return { nodes: [quantity(Number(token), '', 12)], isNumber: true };
-    if (!/^[\p{L}_]/u.test(token)) throw new Error('expected a value');
+    if (!/^[\p{L}_]/u.test(token)) fail();
     const name = token.replace(/'+$|\($/u, '');
     const primes = token.length - name.length;
     if (token === 'abs(') return { nodes: ['|', ...list(), '|'] };
@@ -102,7 +103,7 @@ function formula(text) {
     return nodes;
   };
   const nodes = sum();
-  if (tokens.length) throw new Error('more follows');
+  if (tokens.length) fail();
   return nodes;
 }
 

@@ -1,7 +1,7 @@
 /** The controls of the patch: parameters, pots, switches, initial conditions and other settings. */
 
 import { dial } from './dial.js';
-import { byId, changeDetector, filter, named, template, write } from './dom.js';
+import { byId, changeDetector, filter, hasFocus, named, template, write } from './dom.js';
 import { highlight, on, outputOf, refusalOf, send, state } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
@@ -74,7 +74,7 @@ function show(found, mark) {
   for (const { node } of cards.values()) node.classList.remove('is-marked', 'is-lit');
   for (const { node } of found) node.classList.add(mark);
   const first = found[0]?.node;
-  if (!first || first.contains(document.activeElement)) return;
+  if (!first || hasFocus(first)) return;
   first.closest('details').open = true;
   first.scrollIntoView({ block: 'nearest' });
 }

@@ -17,7 +17,7 @@ import './scope.js';
 import { cancelProbe, emit, on, open, send, state } from './state.js';
 
 const tabs = [...document.querySelectorAll('[role=tab]')];
-const [schematic, board, link] = [byId('schematic'), byId('board'), byId('link')];
+const [schematic, board, link] = ['schematic', 'board', 'link'].map(byId);
 
 /** Asks for the events of the view that is shown only. */
 function sendViews() {

@@ -41,7 +41,7 @@ export function reading(volts, { signal, unit, per_volt: perVolt }, per = '', di
 export function fillOutputs(list, { elements, outputs }, none) {
   const groups = ['Signals', 'Elements', 'Drives', 'References'].map((label) => el('optgroup', { label }));
   for (const output of outputs) {
-    const element = elements.find((each) => each.name === output.name || each.outputs.includes(output.name));
+    const element = elements.find((each) => each.outputs.includes(output.name));
     const family = element?.family === 'drive' ? 2 : output.signal ? 0 : element ? 1 : 3;
     const unit = output.signal && output.unit !== '1' ? ` (${output.unit})` : '';
     groups[family].append(el('option', { value: output.name }, nameOf(output) + unit));

@@ -1,6 +1,6 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { byId, fill, fixed, hasModifier, joined, named, partsOf, rateLimiter, shape, svg, within, write } from './dom.js';
+import { byId, fill, fixed, hasFocus, hasModifier, joined, named, partsOf, rateLimiter, shape, svg, within, write } from './dom.js';
 import { lookOf } from './lamps.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
@@ -120,7 +120,6 @@ on('pointed', ({ output }) => light(output ?? null));
 // Actions.
 
 const under = ({ target }) => target.closest?.('[data-output]')?.dataset.output ?? null;
-const hasFocus = () => picture.contains(document.activeElement);
 const rove = (name) => {
   for (const [each, { nodes }] of cells) nodes.output.tabIndex = each === name ? 0 : -1;
   focused = name;
@@ -138,7 +137,7 @@ const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true }
 zoom.listen();
 fill(picture, {
   onpointerleave: () => point(null),
-  onpointerover: (event) => point(under(event) ?? (hasFocus() ? focused : null)),
+  onpointerover: (event) => point(under(event) ?? (hasFocus(picture) ? focused : null)),
   onfocusout: () => point(null),
   onfocusin(event) {
     const name = under(event);
@@ -227,7 +226,7 @@ on('highlight', (where) => {
 });
 
 const draw = () => {
-  const had = hasFocus();
+  const had = hasFocus(picture);
   symbols.replaceChildren();
   const made = drawing.symbols.flatMap((each) => {
     const symbol = symbols.appendChild(symbolNode(each));

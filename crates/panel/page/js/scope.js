@@ -1,6 +1,6 @@
 /** A storage oscilloscope of the page: screen, controls, cursors, trigger level. */
 
-import { byId, changeDetector, fill, joined, quantity, root, template, within, write } from './dom.js';
+import { byId, changeDetector, fill, joined, quantity, rateLimiter, root, template, within, write } from './dom.js';
 import { nameOf, reading } from './probes.js';
 import { mountControls, setPosition } from './scope-controls.js';
 import { save } from './scope-export.js';
@@ -43,16 +43,16 @@ function mountScope(index) {
   const model = { controls: null, outputs: [], lit: [false, false], span: 1, trace };
   const cursors = [[0.25, 0.6], [0.75, 0.4]];
   const [hasOtherAxes, hasOtherOutputs, hasOtherLamps] = [changeDetector(), changeDetector(), changeDetector()];
-  let [active, wheel, unanswered, textAt, readAt, frameAt] = [0, 0, 0, 0, 0, 0];
+  const [isTextDue, isReadingDue] = [rateLimiter(TEXT), rateLimiter(READING)];
+  let [active, wheel, unanswered, frameAt] = [0, 0, 0, 0];
   /** Whether a picture is requested, the machine moves, and the lists have the outputs of another patch. */
   let [isScheduled, isMoving, isOtherPatch] = [false, false, false];
 
   const parts = template('scope');
-  const { node, box, picture, readout, hasCursors } = parts;
+  const { node, box, picture, level, readout, hasCursors } = parts;
   const screen = new Screen(box, model);
   const spots = box.querySelectorAll('.scope-spot');
-  const [first, second, level] = box.querySelectorAll('[role=slider]');
-  const marks = [first, second];
+  const marks = box.querySelectorAll('.scope-cursor');
   marks.forEach((mark, at) => mountMark(mark, screen, (...place) => {
     cursors[at] = place;
     read();
@@ -66,7 +66,7 @@ function mountScope(index) {
     cursors: refresh,
     auto: () => change((controls) => autoSet(controls, model, step)),
     erase: () => {
-      trace.erase(performance.now());
+      trace.erase();
       send('erase', { scope: index });
       schedule();
     },
@@ -91,7 +91,7 @@ function mountScope(index) {
     const { display, seconds_per_division: seconds, channels } = controls;
     model.controls = controls;
     if (hasOtherAxes([display, seconds, channels.map(({ output }) => output)])) {
-      trace.erase(performance.now());
+      trace.erase();
       screen.resize();
     }
     refresh();
@@ -108,7 +108,7 @@ function mountScope(index) {
     update(controls, isOtherPatch && patch);
     isOtherPatch = false;
     // A screen that is out of sight is not painted, and has a text nevertheless.
-    describe(performance.now());
+    describe();
     schedule();
   }
 
@@ -123,13 +123,13 @@ function mountScope(index) {
     isScheduled = false;
     const { controls } = model;
     if (!controls || screen.view.width < 20) return;
-    if (screen.isStale || (hasCursors.checked && now - readAt > READING)) read(now);
+    if (screen.isStale || (hasCursors.checked && isReadingDue(now))) read();
     screen.draw();
     spots.forEach((spot, channel) => {
       const [x, y] = (isMoving && screen.spot(channel)) || OUTSIDE;
       spot.style.translate = `${x}px ${y}px`;
     });
-    if (now - textAt > TEXT) describe(now);
+    if (isTextDue(now)) describe();
   }
 
   /** The volts at a share of the screen. */
@@ -147,8 +147,7 @@ function mountScope(index) {
   }
 
   /** Writes the readings of the cursors and puts the marks to their places. */
-  function read(now = readAt) {
-    readAt = now;
+  function read() {
     const { controls: { display, trigger }, outputs, span } = model;
     const { view } = screen;
     const isPlane = display === 'plane';
@@ -176,8 +175,7 @@ function mountScope(index) {
   }
 
   /** Writes the text alternative of the screen. */
-  function describe(now) {
-    textAt = now;
+  function describe() {
     const { controls, outputs, lit, span } = model;
     const texts = outputs.map((output, channel) => output && joined([`${nameOf(output)}: ${reading(voltsOf(output.name), output)}`,
       reading(controls.channels[channel].volts_per_division, output, '/div'), lit[channel] && 'overloaded']));
