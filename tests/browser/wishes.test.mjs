@@ -331,7 +331,7 @@ test('wish 12: every wrong move gets the message of the checker at the jack', as
   await clickJacks(page, outputJack(page, 'A1'), outputJack(page, 'B1'));
   await refusal.getByText(/Both are outputs/).waitFor();
   await page.keyboard.press('Escape');
-  // An open input, and an amplifier loop without an integrator.
+  // An open input.
   await pull(page, 'B1', 'P1.in');
   await until('the error at P1.in', async () => /Error: /.test(await inputJack(page, 'P1.in').getAttribute('aria-label')));
 });

@@ -110,7 +110,7 @@ function mark() {
     const one = place?.element && placed({ ...place, from: null });
     if (!one) continue;
     const before = notes.get(one.key) ?? [];
-    notes.set(one.key, [...before, `${severity === 'error' ? 'Error' : 'Warning'}: ${message} ${hint}`]);
+    notes.set(one.key, [...before, `${severity === 'error' ? 'Error' : 'Warning'}: ${message}. ${hint}`]);
     if (before.length) continue;
     one.node.append(shape(`mark-${severity}`, { transform: `translate(${one.box ? [one.box[2] - 13, 30] : [11, 9]})` }));
   }
