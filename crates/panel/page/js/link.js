@@ -55,8 +55,9 @@ function linkOf(post, end) {
     },
     answer: (text, frame = null) => open.shift()?.resolve({ text, frame }),
     close(message) {
-      fail(message);
+      // The page knows of the loss before its requests fail, so it sends no others.
       lose(message);
+      fail(message);
     },
   };
 }

@@ -63,6 +63,7 @@ const isAdvance = (/** @type {Job} */ job) => job.commands[0].command === 'advan
  * @returns {Promise<any[]>}
  */
 export function sendAll(commands) {
+  if (!state.host) return Promise.resolve([]);
   const key = replaceable(commands);
   const before = waiting.findLast((job) => !isAdvance(job));
   if (key !== null && before?.key === key) {
@@ -88,7 +89,7 @@ export const refusalOf = (events) => eventOf(events, 'refused')?.message;
 export const ask = async (command, fields) => eventOf(await send(command, fields), command);
 
 async function pump() {
-  if (isOpen || waiting.length === 0 || !state.host) return;
+  if (isOpen || waiting.length === 0) return;
   isOpen = true;
   const { commands, resolve } = waiting.shift();
   requests += 1;
