@@ -21,8 +21,9 @@ use patchcord::output::io_reason;
 const SAFETY: &str = "\
 The panel is a page of a server on this computer. Its address has a token, without which nobody can use
 the panel. Other users of the computer can see the address in the list of processes when a browser is
-opened with it; --no-open avoids that. Tables of patches are read only in the folder of the patch and
-below it, and the server writes no files. A browser saves patches in its own folder for downloads.";
+opened with it; --no-open avoids that. Patches and their tables are read only in the folder of the patch
+and below it, and the server writes no files. Without a patch, that is the working directory. A browser
+saves patches in its own folder for downloads.";
 
 #[derive(Args)]
 #[command(after_help = SAFETY)]
@@ -85,7 +86,7 @@ fn serve(arguments: &Arguments, patch: Option<GivenPatch>) -> Result<(), Failure
         let folder = path_text(&folder(arguments.patch.as_deref()));
         eprint(&format!(
             "warning: other computers can reach {}: whoever has its address with the token can use the panel and \
-             read the tables below {folder}. The connection is not encrypted",
+             read the patches and tables below {folder}. The connection is not encrypted",
             server.address()
         ));
     }
@@ -110,7 +111,7 @@ fn given_patch(path: &Path) -> Result<GivenPatch, DocumentError> {
     Ok(GivenPatch { name, text: read_text(path)? })
 }
 
-/// The folder below which sessions read tables: that of the patch, or the working directory.
+/// The folder of the panel, below which sessions read patches and tables: that of the patch, or the working directory.
 fn folder(patch: Option<&Path>) -> PathBuf {
     let parent = patch.filter(|path| !is_dash(path)).and_then(Path::parent);
     parent.filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
@@ -157,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_are_read_in_the_folder_of_the_patch() {
+    fn files_are_read_in_the_folder_of_the_patch() {
         let cases = [
             (None, "."),
             (Some("-"), "."),

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { command, openPanel, select, stateOf, type, until } from './panel.mjs';
+import { command, knobOf, openPanel, select, stateOf, type, until } from './panel.mjs';
 
 /** Moves the cord from velocity to position into an input whose gain is 10 times too small. */
 async function misplug(page) {
@@ -70,4 +70,18 @@ test('findings: corrections of equations that the wiring does not solve are foun
   // The correction corrects.
   await command(page, { command: 'move-cord', element: 'A2', jack: 'x1', from: 'A1', to: { element: 'A2', jack: 'x10' } });
   await checks.getByText('The patch has no faults').waitFor();
+});
+
+test('a fault in the wiring leaves the values of pots and initial conditions', async (t) => {
+  const page = await openPanel(t);
+  // B1 and B2 drive each other, so their loop with the multiplier has two solutions.
+  await command(page, { command: 'unplug', element: 'B1', jack: 'in', from: 'A2' }, { command: 'plug', element: 'B1', jack: 'in', from: 'B2' },
+    { command: 'plug', element: 'B2', jack: 'x1', from: 'B1' });
+  await until('a fault', async () => !(await stateOf(page)).patch.runs);
+  await page.locator('summary', { hasText: 'Set by parameters' }).click();
+  // P1 is k / m * (1/10) / 10, and A2 begins at -x0.
+  for (const [name, value] of [['P1', 0.4], ['A2 initial', -80]]) {
+    const field = knobOf(page, name).getByRole('textbox');
+    await until(`${name} is ${value}`, async () => Number((await field.inputValue()).replace('−', '-')) === value);
+  }
 });

@@ -92,6 +92,14 @@ test('patchcord.html begins with the gallery, and a click runs a patch', options
   await heading(page, /Van der Pol/);
 });
 
+test('patchcord.html has the measured data of its examples', options, async (t) => {
+  const page = await openLocal(t, join(SITE, 'patchcord.html'), '?patch=examples/05_missing_effect/spring.json');
+  await heading(page, 'Mass on a spring');
+  const view = page.getByRole('tabpanel', { name: 'Measured data' });
+  await view.getByRole('figure').waitFor();
+  await until('a search is possible', () => view.getByRole('button', { name: 'Search', exact: true }).isEnabled());
+});
+
 test('a copy of patchcord.html alone is enough, and its address can name a patch', options, async (t) => {
   const file = join(await scratch(t), 'ein Blatt ä.html');
   await copyFile(join(SITE, 'patchcord.html'), file);

@@ -60,13 +60,33 @@ test('wish 2: colours of cords differ, hovering dims the others, width and opaci
   const cords = page.locator('#board .cords .cord');
   const classes = await cords.evaluateAll((nodes) => nodes.map((node) => node.getAttribute('class').match(/cord-\d/)[0]));
   assert.ok(new Set(classes).size >= 5, `colours: ${classes}`);
-  await page.mouse.move(...await middleOf(outputJack(page, 'B1')));
-  await cordNode(page, 'B1', 'P1.in').focus();
-  await until('the other cords are dimmed', () => cords.evaluateAll((nodes) => {
+  /** Waits until these cords are marked and all others are dimmed. */
+  const marked = (what, ...goals) => until(`${what} marks its cords`, () => cords.evaluateAll((nodes, keys) => {
     const opacity = (node) => Number(getComputedStyle(node).opacity);
     const [active, others] = [nodes.filter((node) => node.matches('.is-active')), nodes.filter((node) => !node.matches('.is-active'))];
-    return active.length === 1 && others.every((node) => opacity(node) < opacity(active[0]));
-  }));
+    return active.map((node) => node.dataset.key).sort().join() === keys.sort().join()
+      && others.every((node) => opacity(node) < opacity(active[0]));
+  }, goals.map((goal) => `cord:B1>${goal}`)));
+  await page.mouse.move(...await middleOf(outputJack(page, 'B1')));
+  await marked('a jack', 'P1.in', 'M1.a', 'M1.b');
+  // A plug above the lowest one has the pointer for itself.
+  const { x, y, width: size } = await cordNode(page, 'B1', 'M1.b').locator('.plug-body').first().boundingBox();
+  await page.mouse.move(x + 0.6 * size, y + 0.4 * size);
+  await marked('a plug', 'M1.b');
+  // A place of the cord away from jacks, where no other cord is above it.
+  const place = await cordNode(page, 'B1', 'P1.in').locator('.cord-hit').evaluate((path) => {
+    const jacks = [...document.querySelectorAll('#board .hole')].map((hole) => hole.getBoundingClientRect());
+    const points = Array.from({ length: 99 }, (_, at) => path.getPointAtLength((at + 1) / 100 * path.getTotalLength()).matrixTransform(path.getScreenCTM()));
+    const { x: left, y: top } = points.find((point) => document.elementFromPoint(point.x, point.y) === path
+      && jacks.every((jack) => Math.hypot(jack.x - point.x, jack.y - point.y) > 40));
+    return [left, top];
+  });
+  await page.mouse.move(...place);
+  await marked('a cord', 'P1.in');
+  await page.mouse.move(5, 5);
+  await until('nothing is marked', async () => (await page.locator('#board .cord.is-active').count()) === 0);
+  await cordNode(page, 'B1', 'M1.a').focus();
+  await marked('the focus', 'M1.a');
   const width = () => cords.first().locator('.cord-body').evaluate((node) => getComputedStyle(node).strokeWidth);
   const before = await width();
   await page.getByLabel('Width and opacity of the cords').fill('0.1');
@@ -159,9 +179,10 @@ test('wish 6: the gallery has every lesson, figure and example', async (t) => {
   const cards = await gallery(page).locator('a').evaluateAll((links) => links.map((link) => ({
     path: new URLSearchParams(link.search).get('patch'), words: link.textContent, isDrawn: link.querySelector('img').naturalWidth > 0,
   })));
-  for (const folder of ['lessons', 'thesis', 'others', 'problems']) {
-    for (const name of await readdir(join(ROOT, 'patches', folder))) {
-      if (!name.endsWith('.json')) continue;
+  const folders = ['lessons', 'thesis', 'others', 'problems', 'measured'].map((folder) => [folder, join('patches', folder)]);
+  for (const [folder, place] of [...folders, ['examples/05_missing_effect', 'examples/05_missing_effect']]) {
+    for (const name of await readdir(join(ROOT, place))) {
+      if (!/(?<!\.experiment)\.json$/.test(name)) continue;
       const card = cards.find(({ path }) => path === `${folder}/${name}`);
       assert.ok(card?.words.length > 10, `${folder}/${name} is in the gallery`);
       assert.ok(card.isDrawn, `${folder}/${name} has a picture`);
@@ -299,8 +320,23 @@ test('wish 11: keys select modes and speeds, and controls have names and values 
   await keyboard.press('i');
   await keyboard.press('Space');
   await until('pause', async () => (await stateOf(page)).machine.paused);
+  const speedIs = (speed) => until(`speed ${speed}`, async () => (await stateOf(page)).machine.speed === speed);
   await keyboard.press('.');
-  await until('double speed', async () => (await stateOf(page)).machine.speed === 2);
+  await speedIs(2);
+  // Keys that follow each other faster than the session answers.
+  await page.evaluate(() => { for (const key of [',', ',', '.', '.', '.']) document.body.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true })); });
+  await speedIs(null);
+  for (const [tabKey, view] of [['1', '#schematic'], ['2', '#board']]) {
+    await keyboard.press(tabKey);
+    const shown = () => page.locator(`${view} svg[viewBox]:visible`).first().getAttribute('viewBox').then((box) => Number(box.split(' ')[2]));
+    // A view has another scale when its drawing comes.
+    await page.locator(`${view} :is(.symbol, .jack)`).first().waitFor();
+    const before = await until('the view', shown);
+    for (const [key, holds] of [['+', (wide) => wide < before], ['-', (wide) => Math.abs(wide / before - 1) < 0.02], ['0', (wide) => wide >= before * 0.98]]) {
+      await keyboard.press(key);
+      await until(`${key} in ${view}`, async () => holds(await shown()));
+    }
+  }
   await keyboard.press('?');
   await page.getByRole('dialog', { name: 'Keys' }).waitFor();
   await keyboard.press('Escape');

@@ -21,11 +21,11 @@ struct Panel {
 }
 
 impl Panel {
-    /// Starts the command with a patch.
-    fn start(patch: &str) -> Panel {
+    /// Starts the command with a patch or an option.
+    fn start(argument: &str) -> Panel {
         let mut command = Command::new(env!("CARGO_BIN_EXE_patchcord"));
-        command.args(["panel", "--no-open", "--port", "0", patch]).stdout(Stdio::piped());
-        let mut process = command.spawn().unwrap();
+        command.args(["panel", "--no-open", "--port", "0", argument]);
+        let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let url = line.trim_end().strip_prefix("The panel is at http://").unwrap();
@@ -69,6 +69,18 @@ fn a_patch_with_faults_is_served() {
     let panel = Panel::start(&file);
     let response = panel.get(&format!("/patch?token={}", panel.token));
     assert!(response.ends_with("\r\n\r\n{\"patchcord\": 1, \"elements\": 3"), "{response}");
+}
+
+#[test]
+fn a_panel_for_other_computers_has_a_warning() {
+    let mut panel = Panel::start("--address=0.0.0.0");
+    let mut warning = String::new();
+    BufReader::new(panel.process.stderr.take().unwrap()).read_line(&mut warning).unwrap();
+    assert!(warning.starts_with("warning: other computers can reach 0.0.0.0:"), "{warning}");
+    assert!(warning.contains("not encrypted"), "{warning}");
+    // The address is one for this computer.
+    assert!(panel.host.starts_with("127.0.0.1:"), "{}", panel.host);
+    assert!(panel.get("/host.json").starts_with("HTTP/1.1 200 "));
 }
 
 #[test]

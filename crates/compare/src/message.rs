@@ -42,10 +42,9 @@ pub(crate) fn experiment_message(error: &ExperimentError) -> String {
     }
 }
 
-/// The fault of a patch that cannot be run along the records.
+/// The fault of a patch that cannot be run along the records, or the cancellation of a fit or a search.
 pub(crate) fn model_message(error: &ModelError) -> String {
     match error {
-        ModelError::Cancelled => "cancelled".to_owned(),
         ModelError::Patch(report) => patch_message(report),
         error => error.to_string(),
     }

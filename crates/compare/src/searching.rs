@@ -3,13 +3,10 @@
 //! A search completes some hundred trials, often many per second. Its client gets an event for the changes that it
 //! shows, and for each hundredth of a phase. The session has no clock, so the number of trials decides.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
 use patchcord_expr::round_significant;
 use patchcord_ident::report::labels::{effect_label, effect_labels};
 use patchcord_ident::report::progress::phase_text;
-use patchcord_ident::{Experiment, Library, ModelError, Outcome, Problem, Progress, SearchSettings, search};
+use patchcord_ident::{Experiment, ModelError, Outcome, Problem, Progress, SearchSettings, search};
 
 use crate::event::{Event, ProgressView, RejectedView};
 
@@ -17,18 +14,6 @@ use crate::event::{Event, ProgressView, RejectedView};
 const EVENTS_PER_PHASE: u64 = 100;
 /// Digits of a residual in units of the noise.
 const DIGITS: usize = 5;
-
-/// How a search is run.
-pub(crate) struct SearchRun<'a> {
-    /// The effects that are tried.
-    pub library: &'a Library,
-    /// Seed of the random starts of the fits.
-    pub seed: u64,
-    /// Number of threads; that of the cores if absent.
-    pub threads: Option<usize>,
-    /// Ends the search soon after it becomes true.
-    pub cancel: &'a Arc<AtomicBool>,
-}
 
 /// Searches for missing effects. `report` takes the events of its progress. The result is None if the patch can be run
 /// from none of the starts.
@@ -38,13 +23,11 @@ pub(crate) struct SearchRun<'a> {
 pub(crate) fn run_search(
     experiment: &Experiment,
     problem: &Problem,
-    run: &SearchRun<'_>,
+    settings: &SearchSettings<'_>,
     report: &mut (dyn FnMut(Event) + Send),
 ) -> Result<Option<Outcome>, ModelError> {
-    let settings = SearchSettings::new(run.library).with_seed(run.seed).with_cancel(run.cancel);
-    let settings = run.threads.map_or(settings, |threads| settings.with_threads(threads));
     let mut log = ProgressLog::default();
-    search(experiment, problem, &settings, |progress| {
+    search(experiment, problem, settings, |progress| {
         let trial = progress.trial.as_ref().map(|trial| RejectedView {
             effect: effect_label(&trial.effect),
             rms: trial.residual_rms.map(|rms| round_significant(rms, DIGITS)),

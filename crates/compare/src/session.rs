@@ -9,7 +9,7 @@ use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{parameter_in_si, read_request};
 use patchcord_core::patch::{Patch, TableAccess};
 use patchcord_ident::report::reasons::no_run_sentence;
-use patchcord_ident::{Experiment, Library, Problem, fit_base};
+use patchcord_ident::{Experiment, Library, Problem, SearchSettings, fit_base};
 use serde_json::{Map, Value};
 
 use crate::columns::columns_event;
@@ -20,7 +20,7 @@ use crate::experiment::{base_name, experiment_text, read_experiment};
 use crate::found::found;
 use crate::limits::{MAX_COMMANDS, MAX_REQUEST_BYTES, check_data, check_patch, check_patch_text};
 use crate::message::{experiment_texts, model_message, patch_message};
-use crate::searching::{SearchRun, run_search};
+use crate::searching::run_search;
 use crate::whole_runs::WholeRuns;
 
 /// Seed of the random starts of fits, unless the client gives one.
@@ -34,8 +34,8 @@ pub struct ComparisonOptions {
     pub folder: Option<PathBuf>,
     /// Number of threads of a search; that of the cores if absent.
     pub threads: Option<usize>,
-    /// If it is true, a search ends soon, and the next one does not begin. The host sets it when its client closes the
-    /// connection.
+    /// If it is true, a fit or a search ends soon, and the next one does not begin. The host sets it when its client
+    /// closes the connection.
     pub cancel: Arc<AtomicBool>,
 }
 
@@ -84,8 +84,8 @@ impl Comparison {
         Comparison { options, patch, data, values: BTreeMap::new(), document, compared }
     }
 
-    /// Carries out a request, which is a [`Request`](crate::command::Request) as JSON. `report` takes partial responses while a search runs. The
-    /// final [`Response`] is returned. Both are JSON.
+    /// Carries out a request, which is a [`Request`](crate::command::Request) as JSON. `report` takes partial responses
+    /// while a search runs. The final [`Response`] is returned. Both are JSON.
     pub fn request(&mut self, text: &str, report: &mut (dyn FnMut(&str) + Send)) -> String {
         let request = match read_request::<Command>(text, MAX_REQUEST_BYTES, MAX_COMMANDS) {
             Ok(request) => request,
@@ -178,7 +178,8 @@ impl Comparison {
     /// Compares the patch with the data according to an experiment.
     ///
     /// # Errors
-    /// The message if the experiment has faults, or if the patch cannot be run. An earlier comparison continues then.
+    /// The message if the experiment has faults, or if the patch cannot be run. An earlier comparison continues then. If
+    /// only a run stops, the experiment is accepted, because other values can correct the run.
     fn compare(&mut self, document: Map<String, Value>, events: &mut Vec<Event>) -> Result<(), String> {
         let (patch, data) = self.files()?;
         let text = experiment_text(&document, patch, data)?;
@@ -195,7 +196,8 @@ impl Comparison {
     /// Sets parameters and simulates.
     ///
     /// # Errors
-    /// The message if a parameter is unknown or out of range, which changes nothing, or if the run fails.
+    /// The message if a parameter is unknown or out of range, which changes nothing, or if the run stops. The values stay
+    /// in this case, because the knobs of the client have them.
     fn simulate(&mut self, parameters: BTreeMap<String, f64>) -> Result<Event, String> {
         let compared = self.compared()?;
         for (name, value) in &parameters {
@@ -208,7 +210,8 @@ impl Comparison {
     /// Fits the parameters of the experiment from their present values.
     ///
     /// # Errors
-    /// The message if there is nothing to fit, or if the patch cannot be run. The values stay then.
+    /// The message if there is nothing to fit, if the patch cannot be run, or if the fit is cancelled. The values stay
+    /// then.
     fn fit(&mut self, events: &mut Vec<Event>) -> Result<(), String> {
         let (experiment, problem) = self.at_present_values()?;
         if experiment.fit.is_empty() {
@@ -233,13 +236,9 @@ impl Comparison {
     fn search(&self, seed: u64, partial: &mut (dyn FnMut(Event) + Send)) -> Result<Event, String> {
         let (experiment, problem) = self.at_present_values()?;
         let library = Library::shipped();
-        let run = SearchRun {
-            library: &library,
-            seed,
-            threads: self.options.threads,
-            cancel: &self.options.cancel,
-        };
-        let outcome = run_search(&experiment, &problem, &run, partial);
+        let settings = SearchSettings::new(&library).with_seed(seed);
+        let settings = self.options.threads.map_or(settings, |threads| settings.with_threads(threads));
+        let outcome = run_search(&experiment, &problem, &settings, partial);
         let outcome = outcome.map_err(|error| model_message(&error))?;
         let outcome = outcome.ok_or_else(|| no_run_sentence(experiment.patch.file()))?;
         Ok(Event::Found(Box::new(found(&experiment, &problem, &outcome, &library)?)))
@@ -264,7 +263,8 @@ impl Comparison {
         self.compared.as_ref().ok_or_else(|| "nothing is compared yet: select the columns first".to_owned())
     }
 
-    /// The experiment with the present values of the parameters in its patch, as if the user had saved both.
+    /// The experiment with the present values of the parameters in its patch, as if the user had saved both, and its
+    /// problem, whose fits the host can cancel.
     ///
     /// # Errors
     /// The message if nothing is compared, or if the experiment has faults with these values.
@@ -279,7 +279,7 @@ impl Comparison {
         let document = self.document.clone().unwrap_or_default();
         let experiment = read_experiment(&patch, data, &experiment_text(&document, &patch, data)?)?;
         let problem = Problem::of(&experiment).map_err(|error| model_message(&error))?;
-        Ok((experiment, problem))
+        Ok((experiment, problem.with_cancel(&self.options.cancel)))
     }
 }
 

@@ -48,6 +48,8 @@ fn requests_are_checked() {
     };
     assert!(message("{").starts_with("the request cannot be read"));
     assert!(message(r#"{"id": 1, "commands": [{"command": "fly"}]}"#).contains("unknown variant `fly`"));
+    let missing = message(r#"{"id": 1, "commands": [{"command": "begin"}]}"#);
+    assert!(missing.contains("command \"begin\": missing field `patch`"), "{missing}");
     assert!(message(r#"{"id": 1, "commands": [{"command": "fit", "seed": 1}]}"#).contains("command \"fit\""));
     assert_eq!(message(&" ".repeat(MAX_REQUEST_BYTES + 1)), "the request has more than 20 MB");
     let many = format!(r#"{{"id": 1, "commands": [{}]}}"#, vec![r#"{"command": "fit"}"#; 21].join(","));

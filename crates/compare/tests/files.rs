@@ -7,7 +7,7 @@ use patchcord_compare::{Comparison, ComparisonOptions};
 use serde_json::{Value, json};
 
 /// The text of a file of the repository.
-pub(crate) fn text(path: &str) -> String {
+fn text(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)).unwrap()
 }
 

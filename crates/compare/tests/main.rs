@@ -2,7 +2,6 @@
 
 mod faults;
 mod files;
-mod protocol;
 mod slide;
 mod spring;
 mod units;

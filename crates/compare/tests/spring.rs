@@ -12,7 +12,9 @@ use patchcord_core::patch::Patch;
 use patchcord_ident::{Experiment, GivenFiles};
 use serde_json::{Value, json};
 
-use crate::files::{begin, compared, comparison, event, events, example, numbers, request, rms, turn};
+use crate::files::{
+    begin, compared, comparison, event, events, example, numbers, refusal, request, rms, turn,
+};
 
 /// The patch and the data.
 fn files() -> (String, String) {
@@ -202,7 +204,7 @@ fn the_search_finds_the_friction_and_rejects_the_other_effects() {
 }
 
 #[test]
-fn a_search_can_be_cancelled() {
+fn a_fit_and_a_search_can_be_cancelled() {
     let cancel = Arc::new(AtomicBool::new(false));
     let options =
         ComparisonOptions { threads: Some(2), cancel: Arc::clone(&cancel), ..ComparisonOptions::default() };
@@ -220,6 +222,9 @@ fn a_search_can_be_cancelled() {
         response["events"].as_array().unwrap().iter().map(|event| event["event"].as_str().unwrap()).collect();
     assert_eq!(names, ["columns", "comparison", "curves", "refused"]);
     assert_eq!(response["events"][3]["message"], "cancelled");
-    // The comparison continues.
-    assert_eq!(event(&mut comparison, &turn("k", 16.0))["event"], "curves");
+    // The flag still stands, so a fit does not begin. It changes no value.
+    let before = event(&mut comparison, &turn("k", 25.0));
+    assert_eq!(refusal(&mut comparison, &json!({"command": "fit"})), "cancelled");
+    let nothing = json!({"command": "simulate", "parameters": {}});
+    assert_eq!(event(&mut comparison, &nothing), before);
 }

@@ -6,7 +6,7 @@
 use crate::circuit::Circuit;
 use crate::document::RunExtent;
 use crate::patch::RunPlan;
-use crate::solve::{Backend, RunError, RunSettings, TimeSetting};
+use crate::solve::{RunError, RunSettings, TimeSetting};
 
 impl RunSettings {
     /// The settings for the patch's own run plan.
@@ -31,19 +31,12 @@ impl RunSettings {
             (None, None) => return Err(missing(plan)),
         };
         Ok(RunSettings {
-            phases,
-            step,
             tolerance,
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
-            has_lamps: true,
-            checks_steps: false,
-            finds_amplifier_peaks: false,
-            block_samples: None,
             record: circuit.recorded_signals(),
-            curves: Vec::new(),
             sensitivities: circuit.sensitivity_parameters(),
-            backend: Backend::default(),
+            ..RunSettings::from_phases(phases, step)
         })
     }
 }

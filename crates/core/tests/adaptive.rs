@@ -70,6 +70,15 @@ fn a_larger_tolerance_takes_fewer_steps() {
 }
 
 #[test]
+fn a_run_that_takes_more_steps_than_permitted_ends_with_an_error() {
+    let settings = RunSettings::from_phases([Phase::operate(1000.0)], 1e-3).with_tolerance(1e-8);
+    let mut settings = settings.with_sample_interval(1000.0).with_signals(["A2"]);
+    settings.max_steps = 200.0;
+    let error = run(&oscillator(), &settings).unwrap_err().error;
+    assert_eq!(error, RunError::TooManySteps { steps: 201.0, max: 200.0 });
+}
+
+#[test]
 fn rejected_steps_are_counted() {
     let program = oscillator();
     let mut machine = Machine::adaptive(&program, 1e-7, 0.2).unwrap();

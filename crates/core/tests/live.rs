@@ -37,10 +37,8 @@ fn samples_in_pieces(program: &Program, settings: &RunSettings, is_watched: bool
         tracks[0].extend(&samples.time);
         tracks[1..].iter_mut().zip(&samples.tracks).for_each(|(all, track)| all.extend(&track.volts));
         live.points().clear();
-        match state {
-            LiveState::Finished => return tracks,
-            LiveState::BetweenPhases | LiveState::Held(_) => {}
-            LiveState::Operating => {}
+        if state == LiveState::Finished {
+            return tracks;
         }
         pieces += 1;
         clock = live.clock() + settings.duration() * (0.002 + 0.01 * f64::from(pieces % 7));
@@ -180,9 +178,17 @@ fn a_run_returns_to_a_checkpoint_with_the_same_bits() {
     };
     play_to(&mut live, 1.0);
     let checkpoint = live.checkpoint().unwrap();
+    play_to(&mut live, 2.0);
+    let later = live.checkpoint().unwrap();
     let expected = play_to(&mut live, 2.5);
     live.return_to(&checkpoint);
     assert!((live.clock() - 1.0).abs() < 1e-9 && live.clock() == checkpoint.clock());
+    assert_eq!(play_to(&mut live, 2.5), expected);
+    // Back, and forward again to a checkpoint that the run has not reached since then.
+    live.return_to(&checkpoint);
+    play_to(&mut live, 1.5);
+    live.return_to(&later);
+    assert_eq!(live.clock(), later.clock());
     assert_eq!(play_to(&mut live, 2.5), expected);
 }
 

@@ -1,6 +1,7 @@
 //! The storage oscilloscope: pictures of a trace against time or against another signal.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use crate::family::labels;
 use crate::faults;
@@ -103,7 +104,9 @@ fn channels(
         let display = if on_right { right } else { left };
         let pairs = along.values[source.first..].iter().zip(&quantity.values);
         let points = pairs.map(|(x, y)| (across.value(*x), display.value(*y))).collect();
+        let is_time = along.name == "t";
         Channel {
+            times: if is_time { Arc::default() } else { Arc::from(&source.time[..]) },
             right: on_right,
             breaks: source.begins.clone(),
             labels: std::mem::take(&mut labels),

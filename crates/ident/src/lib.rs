@@ -87,11 +87,11 @@
 //!   show, without a search.
 //! * Where and when is a force missing, if no effect of the library explains the residual? [`localise()`] estimates it.
 //! * Which effects are tried where? [`EffectSites`] lists them.
-//! * What does the patch do along the records with other values of its parameters? [`simulate()`] runs it without a
+//! * What does the patch do along the records with other values of its parameters? A [`Simulation`] runs it without a
 //!   fit.
 //!
 //! A program without files, such as a web page, lists the columns of a data file with [`data_columns()`] and reads the
-//! experiment with [`Experiment::parse_given`]. A search can be cancelled: [`SearchSettings::with_cancel`].
+//! experiment with [`Experiment::parse_given`]. A fit or a search can be cancelled: [`Problem::with_cancel`].
 //!
 //! # Modules
 //!
@@ -137,7 +137,7 @@ pub use fit::base_fit::fit_base;
 pub use fit::fitted_model::FittedModel;
 pub use fit::model::{ModelError, SimulatedRecord};
 pub use fit::problem::Problem;
-pub use fit::simulation::{Simulation, simulate};
+pub use fit::simulation::Simulation;
 pub use localise::{Localisation, localise};
 pub use report::Report;
 pub use search::progress::{Progress, SearchPhase, TrialResult};

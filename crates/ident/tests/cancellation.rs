@@ -1,4 +1,4 @@
-//! Searches that are cancelled, and the trials that a search reports.
+//! Fits and searches that are cancelled, and the trials that a search reports.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::library;
 use patchcord_ident::effects::Library;
 use patchcord_ident::{
-    Experiment, ModelError, Outcome, Problem, Progress, SearchPhase, SearchSettings, TrialResult, search,
+    Experiment, ModelError, Outcome, Problem, Progress, SearchPhase, SearchSettings, TrialResult, fit_base,
+    search,
 };
 
 /// The experiment of docs/gap.md: a spring that lacks its damping.
@@ -19,9 +20,9 @@ fn search_with_flag(
     progress: impl Fn(&Progress) -> bool + Sync,
 ) -> (Result<Option<Outcome>, ModelError>, Vec<Progress>) {
     let experiment = Experiment::read(SPRING).unwrap_or_else(|error| panic!("{error}"));
-    let problem = Problem::of(&experiment).unwrap();
     let cancel = Arc::new(AtomicBool::new(is_set));
-    let settings = SearchSettings::new(library).with_threads(2).with_cancel(&cancel);
+    let problem = Problem::of(&experiment).unwrap().with_cancel(&cancel);
+    let settings = SearchSettings::new(library).with_threads(2);
     let mut reports = Vec::new();
     let outcome = search(&experiment, &problem, &settings, |report| {
         cancel.fetch_or(progress(&report), Ordering::Relaxed);
@@ -35,7 +36,17 @@ fn a_search_that_is_cancelled_before_its_start_fits_nothing() {
     let (outcome, reports) = search_with_flag(&Library::shipped(), true, |_| false);
     assert!(matches!(outcome, Err(ModelError::Cancelled)));
     assert!(reports.iter().all(|report| report.phase == SearchPhase::Base), "{reports:?}");
-    assert_eq!(ModelError::Cancelled.to_string(), "the search was cancelled");
+}
+
+#[test]
+fn a_fit_can_be_cancelled() {
+    let experiment = Experiment::read(SPRING).unwrap_or_else(|error| panic!("{error}"));
+    let cancel = Arc::new(AtomicBool::new(true));
+    let problem = Problem::of(&experiment).unwrap().with_cancel(&cancel);
+    let fit = || fit_base(&problem, &experiment.patch, &experiment.fit, 1);
+    assert!(matches!(fit(), Err(ModelError::Cancelled)));
+    cancel.store(false, Ordering::Relaxed);
+    assert!(fit().unwrap().is_some());
 }
 
 /// At most the trial that the other thread was completing is reported after the flag was set.

@@ -113,6 +113,11 @@ pub enum Command {
         /// The JSON document.
         text: String,
     },
+    /// Replaces the patch by that of a file below the folder of the host. The history begins again.
+    OpenFile {
+        /// Its path from the folder, which ends in ".json".
+        name: String,
+    },
     /// Replaces the patch by an empty one.
     New {
         /// Name of the machine; that of the present patch if absent.
@@ -158,7 +163,8 @@ pub enum Command {
         /// Sweeps per second of the panel's clock, from 0.01 to 50; by the speed if absent.
         hertz: Option<f64>,
     },
-    /// Moves the machine back to an earlier time of its present run, and holds it there.
+    /// Moves the machine to an earlier time of its present run, or forward again up to its end, and holds it there. The
+    /// part after this time is forgotten when the run continues, or when a parameter or the patch changes.
     Scrub {
         /// Problem time in seconds.
         time: f64,

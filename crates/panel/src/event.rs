@@ -358,7 +358,7 @@ pub struct CheckRow {
 }
 
 /// The equations that the wiring solves.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct EquationsView {
     /// One entry for each equation, with the names that occur in it.
     pub equations: Vec<EquationView>,

@@ -2,9 +2,9 @@
 //!
 //! They are far above what the page and the shipped patches need. Whatever exceeds them is refused with a message.
 
-use patchcord_core::document::format_number;
+use patchcord_core::document::{format_number, format_outside};
 use patchcord_core::patch::{Amount, Patch};
-use patchcord_core::solve::RunSettings;
+use patchcord_core::solve::{RunError, RunSettings};
 
 /// Size of the largest request in bytes. A snapshot has the texts of the history, and JSON needs two bytes for each of
 /// their quotes and line ends.
@@ -39,6 +39,18 @@ const MAX_RUN_WORK: f64 = 4e8;
 pub const MAX_DELAY_BYTES: usize = 50_000_000;
 /// Size of all checkpoints of a run in bytes, above which some of them are dropped.
 pub const MAX_CHECKPOINT_BYTES: usize = 32_000_000;
+
+/// Checks that a number that a client gives is in a range. `what` is the subject of the message.
+///
+/// # Errors
+/// The message if it is not.
+pub(crate) fn check_range(what: &str, number: f64, [least, most]: [f64; 2]) -> Result<(), String> {
+    if (least..=most).contains(&number) {
+        return Ok(());
+    }
+    let number = format_outside(number, (least, most));
+    Err(format!("{what} must be from {} to {}, not {number}", format_number(least), format_number(most)))
+}
 
 /// Checks the size of the text of a patch.
 ///
@@ -81,23 +93,21 @@ fn check_count(count: usize, limit: usize, noun: &str) -> Result<(), String> {
     Err(format!("the patch has {count} {noun}, and the panel takes {limit}: run it with patchcord run"))
 }
 
-/// Checks the size of a run for a table. The number of steps is known only if they are equal.
+/// Limits the steps of a run for a table of this number of elements.
 ///
 /// # Errors
-/// The message if it has too many steps or samples.
-pub(crate) fn check_run(settings: &RunSettings, elements: usize) -> Result<(), String> {
-    let steps = settings.total_duration() / settings.step;
-    let limit = MAX_RUN_STEPS.min((MAX_RUN_WORK / elements.max(1) as f64).floor());
-    if settings.tolerance.is_none() && steps > limit {
-        let [steps, limit] = [steps, limit].map(format_number);
-        return Err(format!(
-            "the run has {steps} steps, and the panel takes {limit} with {elements} elements: use patchcord run"
-        ));
+/// The message if it has too many samples.
+pub(crate) fn limit_run(settings: &mut RunSettings, elements: usize) -> Result<(), String> {
+    settings.max_steps = MAX_RUN_STEPS.min((MAX_RUN_WORK / elements.max(1) as f64).floor());
+    if settings.recorded_numbers() > MAX_TABLE_NUMBERS { Err(table_too_large()) } else { Ok(()) }
+}
+
+/// The message about an error of a run for a table.
+pub(crate) fn run_message(error: &RunError) -> String {
+    match error.code() {
+        "too-many-steps" => format!("{error} on the panel: use patchcord run"),
+        _ => error.to_string(),
     }
-    if settings.recorded_numbers() > MAX_TABLE_NUMBERS {
-        return Err(table_too_large());
-    }
-    Ok(())
 }
 
 /// The message about a table that is too large.

@@ -42,6 +42,11 @@ pub(crate) fn section_names(patch: &Patch) -> Vec<&str> {
     names.into_iter().map(|(_, name)| name).collect()
 }
 
+/// The names of elements, instances of macros and drives.
+pub(crate) fn entry_names(patch: &Patch) -> Vec<&str> {
+    section_names(patch).into_iter().chain(patch.drives.keys().map(String::as_str)).collect()
+}
+
 /// Whether the section "elements" has an element or an instance of this name.
 pub(crate) fn is_in_section(patch: &Patch, name: &str) -> bool {
     if let Some(instance) = patch.instances.get(name) {

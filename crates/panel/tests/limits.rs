@@ -9,6 +9,8 @@ use patchcord_panel::limits::{
 use patchcord_panel::{Session, SessionOptions};
 use serde_json::{Value, json};
 
+use crate::client::event;
+
 /// A session that has opened a patch.
 fn opened(text: &str) -> Session {
     let mut session = Session::new(SessionOptions::default());
@@ -37,12 +39,6 @@ fn advance(session: &mut Session, seconds: f64) -> Frame {
 /// Selects a mode.
 fn mode(session: &mut Session, mode: &str) {
     send(session, json!({"command": "mode", "mode": mode}));
-}
-
-/// The last event of a name.
-fn event<'e>(events: &'e [Value], name: &str) -> &'e Value {
-    let found = events.iter().rfind(|event| event["event"] == name);
-    found.unwrap_or_else(|| panic!("no event {name} in {events:?}"))
 }
 
 /// The message with which a command is refused.
@@ -181,7 +177,27 @@ fn a_run_that_is_too_long_is_refused() {
     let patch = json!({"patchcord": 1, "elements": elements, "run": run, "record": ["P0"]});
     let message = refusal(&mut opened(&patch.to_string()), json!({"command": "run"}));
     // With the three references there are 400 elements.
-    assert!(message.contains(" with 400 elements: use patchcord run"), "{message}");
+    assert!(message.ends_with("at most 1e6 are allowed on the panel: use patchcord run"), "{message}");
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_with_the_range() {
+    let mut session = opened(&decay("\"for\": 1, \"step\": 0.001"));
+    let cases = [
+        (json!({"command": "speed", "factor": -1}), "the speed factor must be from 1e-6 to 1000000, not -1"),
+        (json!({"command": "rate", "hertz": 50.0000001}), "the rate must be from 0.01 to 50, not 50.0000001"),
+        (
+            json!({"command": "advance", "seconds": 1e300}),
+            "the time to advance must be from 0 to 1, not 1e300",
+        ),
+        (
+            json!({"command": "sweep", "seconds": 1e-4}),
+            "a sweep of 0.0001 s is shorter than the step of 0.001 s",
+        ),
+    ];
+    for (command, message) in cases {
+        assert_eq!(refusal(&mut session, command), message);
+    }
 }
 
 #[test]
@@ -266,6 +282,46 @@ fn a_parameter_that_corrects_the_patch_starts_the_machine() {
 }
 
 #[test]
+fn a_run_that_cannot_begin_has_its_reason_in_every_mode() {
+    // A run has at most 1e10 steps.
+    let mut session = opened(&decay("\"for\": 1e9, \"step\": 0.001"));
+    for name in ["initial-condition", "operate", "single"] {
+        mode(&mut session, name);
+        let events = send(&mut session, json!({"command": "hello"}));
+        let stopped = event(&events, "machine")["stopped"].as_str().unwrap().to_owned();
+        assert!(stopped.contains("1e12 steps"), "{name}: {stopped}");
+        assert!(!advance(&mut session, 0.1).header.moves, "{name}");
+    }
+    send(&mut session, json!({"command": "sweep", "seconds": 0.5}));
+    mode(&mut session, "operate");
+    let header = advance(&mut session, 0.1).header;
+    assert!(header.moves && !header.stopped && header.time > 0.0, "{header:?}");
+}
+
+#[test]
+fn a_machine_that_cannot_continue_begins_again_in_initial_condition() {
+    let text = r#"{"patchcord": 1, "machine": "unlimited", "elements": {
+        "D": {"kind": "integrator", "in": {"x1": ["+100"]}, "initial": 50},
+        "M": {"kind": "multiplier", "mode": "product", "a": "A5", "b": "+100"},
+        "A5": {"kind": "open-amplifier", "in": {"x0.1": ["+100"], "x1": ["M"]}}},
+        "record": ["A5"], "run": {"for": 1, "step": 0.01}}"#;
+    let mut session = opened(text);
+    mode(&mut session, "operate");
+    // D falls by 100 V/s to -20 V. A loop that divides by it then has several solutions.
+    advance(&mut session, 0.7);
+    let to = json!({"output": "D"});
+    let divide = json!({"command": "move-cord", "element": "M", "jack": "b", "from": "+100", "to": to});
+    let events = send(&mut session, divide);
+    let stopped = event(&events, "machine")["stopped"].as_str().unwrap().to_owned();
+    assert!(stopped.contains("3 solutions"), "{stopped}");
+    assert!(!advance(&mut session, 0.1).header.moves);
+    mode(&mut session, "initial-condition");
+    mode(&mut session, "operate");
+    let header = advance(&mut session, 0.1).header;
+    assert!(header.moves && !header.stopped && (header.time - 0.1).abs() < 0.011, "{header:?}");
+}
+
+#[test]
 fn going_back_too_far_is_refused_and_the_machine_can_still_go_back() {
     let mut session = opened(&decay("\"for\": 4, \"step\": 0.001"));
     mode(&mut session, "operate");
@@ -277,6 +333,10 @@ fn going_back_too_far_is_refused_and_the_machine_can_still_go_back() {
     }
     let message = refusal(&mut session, json!({"command": "scrub", "time": 0.1}));
     assert!(message.contains("can be moved back"), "{message}");
+    for (time, text) in [(-1.0, "-1"), (1e300, "1e300")] {
+        let message = refusal(&mut session, json!({"command": "scrub", "time": time}));
+        assert!(message.ends_with(&format!(" s of its run, not to {text} s")), "{message}");
+    }
     send(&mut session, json!({"command": "scrub", "time": 1.2}));
     let time = advance(&mut session, 0.0).header.time;
     assert!((time - 1.2).abs() < 2e-3, "{time}");

@@ -1,7 +1,10 @@
 //! Integration tests of the panel's session.
 
+mod client;
+mod faceplates;
+mod files;
 mod limits;
 mod pictures;
-mod protocol;
 mod random_commands;
 mod session;
+mod way_back;

@@ -23,9 +23,10 @@ const JUNK: [&str; 8] =
 /// The modes.
 const MODES: [&str; 8] =
     ["pot-set", "problem-check", "initial-condition", "operate", "hold", "repetitive", "single", "fly"];
-/// Commands without names and values.
-const QUESTIONS: [&str; 5] = [
+/// Commands without names and values of the patch.
+const QUESTIONS: [&str; 6] = [
     "\"clear-cords\"",
+    "\"open-file\", \"name\": \"../../etc/hostname.json\"",
     "\"hello\"",
     "\"advise\"",
     "\"static-check\", \"seed\": 1",

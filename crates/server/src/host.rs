@@ -26,7 +26,7 @@ pub(crate) struct Host {
     pub token: Token,
     /// The patch that the panel opens first.
     pub patch: Option<GivenPatch>,
-    /// The folder below which workers read tables.
+    /// The folder below which workers read patches and tables.
     pub folder: PathBuf,
     /// The limits.
     pub limits: Limits,

@@ -13,7 +13,8 @@
 //!   a name of that site.
 //! * A WebSocket needs a random token, which only the address of the panel has, and only the page itself may open it.
 //! * The policy of each response permits only scripts, styles and connections of the server itself.
-//! * Only the pages and patches in the program are served, never files. Tables are read below one folder.
+//! * Only the pages, patches and data in the program are served, and the patch of the options; never files. A session
+//!   reads patches and tables below one folder.
 //! * [`Limits`] restrict connections, sessions, comparisons, messages and times.
 
 #![forbid(unsafe_code)]

@@ -15,7 +15,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use patchcord_compare::{Comparison, ComparisonOptions};
 use patchcord_panel::pages::PAGES;
-use patchcord_panel::patches::{PATCHES, gallery};
+use patchcord_panel::patches::{DATA, PATCHES, gallery};
 use patchcord_panel::{Session, SessionOptions};
 use tokio::sync::OwnedSemaphorePermit;
 
@@ -35,7 +35,10 @@ const PLAIN_TEXT: &str = "text/plain; charset=utf-8";
 /// The type of documents.
 const JSON: &str = "application/json";
 
-/// The address of the folder of the shipped patches, below that of the server.
+/// The type of tables.
+const CSV: &str = "text/csv; charset=utf-8";
+
+/// The address of the folder of the shipped patches and their data, below that of the server.
 const PATCH_FOLDER: &str = "patches/";
 
 /// The document of the gallery, which reads every shipped patch once.
@@ -90,7 +93,7 @@ fn refusal_without_token() -> Response {
     refusal(StatusCode::FORBIDDEN, message)
 }
 
-/// A page of the panel or a shipped patch, by its exact path.
+/// A page of the panel, a shipped patch or its data, by the exact path.
 async fn page(method: Method, uri: Uri) -> Response {
     if method != Method::GET && method != Method::HEAD {
         return refusal(StatusCode::METHOD_NOT_ALLOWED, "pages can only be read");
@@ -100,11 +103,16 @@ async fn page(method: Method, uri: Uri) -> Response {
     if let Some(page) = PAGES.iter().find(|page| page.path == path) {
         return ([(header::CONTENT_TYPE, page.kind())], page.content()).into_response();
     }
-    let name = path.strip_prefix(PATCH_FOLDER);
-    match PATCHES.iter().find(|patch| Some(patch.path) == name) {
-        Some(patch) => ([(header::CONTENT_TYPE, JSON)], patch.text).into_response(),
+    match path.strip_prefix(PATCH_FOLDER).and_then(shipped) {
+        Some((kind, text)) => ([(header::CONTENT_TYPE, kind)], text).into_response(),
         None => refusal(StatusCode::NOT_FOUND, "there is no such page"),
     }
+}
+
+/// The type and the text of a shipped patch, or of its data.
+fn shipped(path: &str) -> Option<(&'static str, &'static str)> {
+    let patch = PATCHES.iter().find(|patch| patch.path == path).map(|patch| (JSON, patch.text));
+    patch.or_else(|| DATA.iter().find(|data| data.path == path).map(|data| (CSV, data.text)))
 }
 
 /// The list of the shipped patches.

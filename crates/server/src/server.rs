@@ -29,7 +29,7 @@ pub struct Options {
     pub port: Option<u16>,
     /// The patch that the panel opens first.
     pub patch: Option<GivenPatch>,
-    /// The folder below which sessions and comparisons read tables.
+    /// The folder below which sessions read patches, and sessions and comparisons read tables.
     pub folder: PathBuf,
     /// Whether the server stops after the last panel was closed.
     pub stops_when_closed: bool,
@@ -151,13 +151,12 @@ fn listen(address: IpAddr, port: Option<u16>) -> Result<TcpListener, ServerError
     })
 }
 
-/// Listens at the first port that is free, in order from [`FIRST_PORT`].
+/// Listens at the first port that can be opened, in order from [`FIRST_PORT`]. A port that no program uses can still be
+/// refused, because some systems reserve ranges of ports.
 fn listen_at_free_port(address: IpAddr) -> io::Result<TcpListener> {
-    let ports = (FIRST_PORT..FIRST_PORT + TRIED_PORTS).chain([0]);
-    let mut outcomes = ports.map(|port| TcpListener::bind((address, port)));
-    let is_in_use = |outcome: &io::Result<TcpListener>| {
-        outcome.as_ref().is_err_and(|error| error.kind() == ErrorKind::AddrInUse)
-    };
-    let first = outcomes.find(|outcome| !is_in_use(outcome));
-    first.unwrap_or_else(|| Err(ErrorKind::AddrInUse.into()))
+    let mut ports = FIRST_PORT..FIRST_PORT + TRIED_PORTS;
+    match ports.find_map(|port| TcpListener::bind((address, port)).ok()) {
+        Some(listener) => Ok(listener),
+        None => TcpListener::bind((address, 0)),
+    }
 }

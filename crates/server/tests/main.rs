@@ -1,7 +1,8 @@
-//! Integration tests of the server: who may use it, what it serves, and its limits.
+//! Integration tests of the server: who may use it, what it serves, its limits, and the page about its protocol.
 
 mod client;
 mod comparisons;
 mod limits;
 mod pages;
+mod protocol;
 mod sessions;

@@ -1,9 +1,13 @@
 //! Pages and documents: who gets them, with which headers.
 
 use patchcord_panel::pages::PAGES;
-use patchcord_panel::patches::{PATCHES, gallery};
+use patchcord_panel::patches::{DATA, PATCHES, gallery};
 
 use crate::client::{options, start};
+
+/// Every address that has an answer; one page and one patch stand for all of them.
+const ADDRESSES: [&str; 7] =
+    ["/", "/host.json", "/gallery.json", "/patches/lessons/lorenz.json", "/patch", "/session", "/compare"];
 
 #[test]
 fn requests_that_name_another_server_are_refused() {
@@ -14,7 +18,7 @@ fn requests_that_name_another_server_are_refused() {
     let wrong =
         wrong.chain(["Host: localhost".to_owned(), "Host: localhost:1".to_owned(), "A: b".to_owned()]);
     for host in wrong {
-        for path in ["/", "/host.json", "/patch", "/session", "/compare"] {
+        for path in ADDRESSES {
             let response = server.send(&[&format!("GET {path} HTTP/1.1"), &host]);
             // The library itself refuses a request without the header.
             assert!([400, 403].contains(&response.status), "{host} {path}: {}", response.status);
@@ -64,6 +68,12 @@ fn the_gallery_and_its_patches_are_served_without_the_token() {
         );
         assert!(response.headers.contains("\r\ncontent-type: application/json\r\n"), "{}", response.headers);
     }
+    for data in DATA {
+        let response = server.get(&format!("/patches/{}", data.path));
+        assert_eq!((response.status, response.body.as_slice()), (200, data.text.as_bytes()), "{}", data.path);
+        let kind = "\r\ncontent-type: text/csv; charset=utf-8\r\n";
+        assert!(response.headers.contains(kind), "{}", response.headers);
+    }
 }
 
 #[test]
@@ -87,22 +97,16 @@ fn only_pages_are_served() {
         "/patches/lessons/../lessons/lorenz.json",
         "/patches/../Cargo.toml",
         "/patches/%2e%2e/Cargo.toml",
-        "/patches/measured/emps.json",
+        "/patches/measured/emps.experiment.json",
+        "/patches/examples/05_missing_effect/main.rs",
+        "/examples/05_missing_effect/measured.csv",
     ];
     for path in paths {
         let response = server.get(path);
         assert!([400, 404].contains(&response.status), "{path}: {}", response.status);
     }
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
-        for path in [
-            "/",
-            "/host.json",
-            "/gallery.json",
-            "/patches/lessons/lorenz.json",
-            "/patch",
-            "/session",
-            "/compare",
-        ] {
+        for path in ADDRESSES {
             let host = format!("Host: {}", server.address);
             let response = server.send(&[&format!("{method} {path} HTTP/1.1"), &host, "Content-Length: 0"]);
             assert_eq!(response.status, 405, "{method} {path}");
@@ -119,16 +123,7 @@ fn every_response_has_the_policy() {
          form-action 'none'; frame-ancestors 'none'\r\n",
         server.address
     );
-    for path in [
-        "/",
-        "/host.json",
-        "/gallery.json",
-        "/patches/lessons/lorenz.json",
-        "/patch",
-        "/session",
-        "/compare",
-        "/no-such-page",
-    ] {
+    for path in ADDRESSES.into_iter().chain(["/no-such-page"]) {
         let headers = server.get(path).headers;
         assert!(headers.contains(&policy), "{path}: {headers}");
         for header in [

@@ -1,5 +1,6 @@
 //! Sessions: who may begin one, how it answers, and when it ends.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use patchcord_server::{Limits, Options};
@@ -89,6 +90,24 @@ fn a_session_reads_no_table_outside_its_folder() {
 }
 
 #[test]
+fn a_session_opens_patches_below_its_folder_only() {
+    let lessons = PathBuf::from("../../patches/lessons");
+    let server = start(Options { folder: lessons, ..options() });
+    let mut socket = server.open();
+    let mut answer = |name: &str| {
+        let open = serde_json::json!({"command": "open-file", "name": name});
+        ask(&mut socket, &format!("{{\"id\": 1, \"commands\": [{open}]}}")).unwrap()
+    };
+    assert!(answer("mathieu.json").contains("\"file\":\"mathieu.json\""));
+    for name in ["../thesis/fig-8-16.json", "/etc/hostname.json", "%2e%2e/thesis/fig-8-16.json"] {
+        let answer = answer(name);
+        assert!(answer.contains("\"event\":\"refused\"") && !answer.contains("\"file\""), "{answer}");
+    }
+    // No address of the server has the file.
+    assert_eq!(server.get("/mathieu.json").status, 404);
+}
+
+#[test]
 fn a_session_beyond_the_limit_is_refused_with_a_reason() {
     let server = start(options());
     let mut sockets: Vec<_> = (0..Limits::default().sessions).map(|_| server.open()).collect();
@@ -109,6 +128,15 @@ fn a_session_beyond_the_limit_is_refused_with_a_reason() {
         }
         assert!(Instant::now() < deadline, "the sessions are not freed");
     }
+}
+
+#[test]
+fn a_hundred_pages_do_no_harm() {
+    let server = start(options());
+    let mut sockets: Vec<_> = (0..100).map(|_| server.open()).collect();
+    let answered = sockets.iter_mut().filter_map(|socket| ask(socket, NOTHING).ok()).count();
+    assert_eq!(answered, Limits::default().sessions);
+    assert_eq!(server.get("/host.json").status, 200);
 }
 
 #[test]

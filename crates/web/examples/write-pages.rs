@@ -1,4 +1,5 @@
-//! Writes the pages of the panel, the shipped patches and their gallery into a folder, for `crates/web/build-site`.
+//! Writes the pages of the panel, the shipped patches with their data, and the gallery into a folder, for
+//! `crates/web/build-site`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -6,7 +7,7 @@ use std::{env, fs, io};
 
 use patchcord_panel::one_file::WORKER_HOST;
 use patchcord_panel::pages::PAGES;
-use patchcord_panel::patches::{PATCHES, gallery};
+use patchcord_panel::patches::{DATA, PATCHES, gallery};
 
 fn main() -> ExitCode {
     let Some(folder) = env::args_os().nth(1).map(PathBuf::from) else {
@@ -30,8 +31,9 @@ fn write_pages(folder: &Path) -> io::Result<()> {
     for page in PAGES {
         write(&folder.join(page.path), &page.content())?;
     }
-    for patch in PATCHES {
-        write(&folder.join("patches").join(patch.path), patch.text)?;
+    let patches = PATCHES.iter().map(|patch| (patch.path, patch.text));
+    for (path, text) in patches.chain(DATA.iter().map(|data| (data.path, data.text))) {
+        write(&folder.join("patches").join(path), text)?;
     }
     write(&folder.join("gallery.json"), &format!("{}\n", gallery()))?;
     write(&folder.join("host.json"), &format!("{WORKER_HOST}\n"))

@@ -77,8 +77,10 @@ mod host {
 /// The same functions for tests on other targets.
 #[cfg(not(target_family = "wasm"))]
 mod host {
-    #[cfg(feature = "compare")]
     use std::sync::{Mutex, PoisonError};
+
+    /// The messages of panics so far.
+    pub(crate) static FAILURES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
     /// The partial responses so far.
     #[cfg(feature = "compare")]
@@ -94,8 +96,17 @@ mod host {
         START.elapsed().as_secs_f64() * 1e3
     }
 
-    /// Ignores the message, because the test prints it.
-    pub(crate) unsafe fn fail(_: *const u8, _: usize) {}
+    /// Prints the message of a panic, and keeps it.
+    ///
+    /// # Safety
+    ///
+    /// There are `length` bytes of UTF-8 at the pointer.
+    pub(crate) unsafe fn fail(pointer: *const u8, length: usize) {
+        // SAFETY: the caller has the bytes.
+        let text = unsafe { super::text_at(pointer, length) };
+        eprintln!("{text}");
+        keep(&FAILURES, &text);
+    }
 
     /// Keeps a partial response.
     ///
@@ -105,8 +116,12 @@ mod host {
     #[cfg(feature = "compare")]
     pub(crate) unsafe fn partial(pointer: *const u8, length: usize) {
         // SAFETY: the caller has the bytes.
-        let text = unsafe { super::text_at(pointer, length) }.into_owned();
-        PARTIAL.lock().unwrap_or_else(PoisonError::into_inner).push(text);
+        keep(&PARTIAL, &unsafe { super::text_at(pointer, length) });
+    }
+
+    /// Adds a text to a list.
+    fn keep(list: &Mutex<Vec<String>>, text: &str) {
+        list.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_owned());
     }
 }
 

@@ -1,6 +1,6 @@
 // Tests of the folder that crates/web/build-site writes:
 //
-//     node --test crates/web/tests/
+//     node --test crates/web/tests/*.mjs
 //
 // With the path of the command in PATCHCORD, the samples of every shipped patch are compared with those of the command.
 
@@ -132,9 +132,10 @@ test('the samples of shipped patches have the bits of the command', { skip: !pro
   const worker = await start(wasm);
   const folder = mkdtempSync(join(tmpdir(), 'patchcord-'));
   t.after(() => rmSync(folder, { recursive: true }));
-  for (const group of ['lessons', 'others', 'problems', 'thesis']) {
-    for (const name of readdirSync(join(root, 'patches', group)).filter((file) => file.endsWith('.json'))) {
-      const file = join(root, 'patches', group, name);
+  const groups = ['lessons', 'others', 'problems', 'thesis', 'measured'].map((group) => `patches/${group}`);
+  for (const group of [...groups, 'examples/05_missing_effect']) {
+    for (const name of readdirSync(join(root, group)).filter((file) => /(?<!\.experiment)\.json$/.test(file))) {
+      const file = join(root, group, name);
       const csv = join(folder, 'samples.csv');
       execFileSync(process.env.PATCHCORD, ['run', file, '--csv', csv], { stdio: ['ignore', 'ignore', 'inherit'] });
       const text = readFileSync(file, 'utf8');

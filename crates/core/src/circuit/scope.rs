@@ -69,6 +69,27 @@ pub(super) struct Quantity {
 }
 
 impl Quantities {
+    /// The quantities of a patch that may have faults. A quantity that cannot be computed has no value.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::circuit::Quantities;
+    /// use patchcord_core::patch::Patch;
+    /// use patchcord_expr::Scope;
+    ///
+    /// // The summer has no cord, and the scale names a parameter that is not there.
+    /// let text = r#"{"patchcord": 1, "parameters": {"k": {"value": 2, "unit": "N/mm"}},
+    ///     "scales": {"force": {"per_volt": "F / 5", "unit": "N"}},
+    ///     "elements": {"A1": {"kind": "summer", "in": {}}}}"#;
+    /// let quantities = Quantities::of(&Patch::parse("faulty.json", text)?);
+    /// assert_eq!((quantities.value("k"), quantities.value("force")), (Some(2000.0), None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of(patch: &Patch) -> Quantities {
+        Quantities::new(patch, &[], &mut Vec::new())
+    }
+
     /// The parameters with their values, changed by `changes`, and the derived quantities computed from them.
     pub(super) fn new(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagnostic>) -> Self {
         let derivations = derivations(patch);

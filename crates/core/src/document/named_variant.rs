@@ -31,11 +31,10 @@ pub fn read_variant<T: DeserializeOwned>(mut object: Map<String, Value>, key: &s
     let has_fields = !object.is_empty();
     let variant = Value::Object(Map::from_iter([(name.clone(), Value::Object(object))]));
     let outcome = serde_json::from_value(variant);
-    // A variant without fields is a word.
-    let outcome = if has_fields {
-        outcome
-    } else {
-        outcome.or_else(|_| serde_json::from_value(Value::String(name.clone())))
+    // A variant without fields is a word. For other variants the first error is right: it names a missing field.
+    let outcome = match outcome {
+        Err(error) if !has_fields => serde_json::from_value(Value::String(name.clone())).map_err(|_| error),
+        outcome => outcome,
     };
     outcome.map_err(|error| format!("{key} \"{name}\": {error}"))
 }

@@ -6,6 +6,10 @@ use serde_json::{Map, Value};
 
 use super::named_variant::read_variant;
 
+/// Largest number of commas outside of texts in a request. A value takes up to 100 bytes of memory, also where its text has
+/// two bytes, and texts take as much as in the request.
+const MAX_COMMAS: usize = 100_000;
+
 /// A command of a client.
 pub trait RequestCommand: DeserializeOwned {
     /// Checks the fields of a command before it is read.
@@ -75,6 +79,9 @@ pub fn read_request<C: RequestCommand>(
     if text.len() > max_bytes {
         return Err(format!("the request has more than {} MB", max_bytes / 1_000_000));
     }
+    if commas(text) > MAX_COMMAS {
+        return Err(format!("the request has more than {MAX_COMMAS} values"));
+    }
     let request: Request<C> =
         serde_json::from_str(text).map_err(|error| format!("the request cannot be read: {error}"))?;
     if request.commands.len() > max_commands {
@@ -85,4 +92,47 @@ pub fn read_request<C: RequestCommand>(
         ));
     }
     Ok(request)
+}
+
+/// The number of commas outside of texts.
+fn commas(json: &str) -> usize {
+    let (mut count, mut is_text, mut is_escaped) = (0, false, false);
+    for byte in json.bytes() {
+        match byte {
+            _ if is_escaped => is_escaped = false,
+            b'\\' => is_escaped = is_text,
+            b'"' => is_text = !is_text,
+            b',' if !is_text => count += 1,
+            _ => {}
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Deserialize)]
+    enum Command {
+        Note { text: String },
+    }
+
+    impl RequestCommand for Command {}
+
+    /// Reads a request with this text as JSON.
+    fn read(text: &str) -> Result<Request<Command>, String> {
+        let request = format!(r#"{{"id": 1, "commands": [{{"command": "Note", "text": {text}}}]}}"#);
+        read_request(&request, 1_000_000, 1)
+    }
+
+    #[test]
+    fn values_are_limited_and_commas_in_texts_are_not() {
+        let commas = ",".repeat(2 * MAX_COMMAS);
+        let request = read(&format!(r#""\"{commas}\\""#)).unwrap();
+        let Command::Note { text } = &request.commands[0];
+        assert_eq!(*text, format!("\"{commas}\\"));
+        let numbers = vec!["0"; MAX_COMMAS + 2].join(",");
+        assert_eq!(read(&format!("[{numbers}]")).unwrap_err(), "the request has more than 100000 values");
+    }
 }

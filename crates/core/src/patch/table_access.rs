@@ -48,22 +48,44 @@ impl TableAccess {
         }
     }
 
-    /// The path to read for a name in a document.
+    /// The path to read for the name of a file; `None` if it may not be read. Whether a file outside the folder exists
+    /// makes no difference.
     ///
-    /// # Errors
-    /// The fault if the file may not be read. It does not depend on whether a file outside the folder exists.
-    pub(super) fn path(&self, name: &str) -> Result<PathBuf, CsvFault> {
+    /// # Examples
+    ///
+    /// ```
+    /// use patchcord_core::patch::TableAccess;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let access = TableAccess::Below(folder.path().to_owned());
+    /// assert_eq!(access.permitted("tasks/spring.json"), Some(folder.path().join("tasks/spring.json")));
+    /// assert_eq!(access.permitted("../spring.json"), None);
+    /// assert_eq!(TableAccess::None.permitted("spring.json"), None);
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
+    pub fn permitted(&self, name: &str) -> Option<PathBuf> {
         match self {
-            TableAccess::Anywhere(folder) => Ok(folder.join(name)),
+            TableAccess::Anywhere(folder) => Some(folder.join(name)),
             TableAccess::Below(folder) => {
                 let path = folder.join(name);
-                if is_below(folder, name, &path) { Ok(path) } else { Err(outside(name)) }
+                is_below(folder, name, &path).then_some(path)
             }
+            TableAccess::None => None,
+        }
+    }
+
+    /// The path of a table to read, for its name in a patch.
+    ///
+    /// # Errors
+    /// The fault if the file may not be read.
+    pub(super) fn path(&self, name: &str) -> Result<PathBuf, CsvFault> {
+        self.permitted(name).ok_or_else(|| match self {
             TableAccess::None => {
                 let hint = "write the points into the patch, such as \"points\": [[0, 0], [1, 50]]";
-                Err(CsvFault::new("tables in files cannot be read here", hint))
+                CsvFault::new("tables in files cannot be read here", hint)
             }
-        }
+            TableAccess::Anywhere(_) | TableAccess::Below(_) => outside(name),
+        })
     }
 }
 

@@ -5,7 +5,6 @@
 
 use super::discontinuities::INSTANT_TOLERANCE;
 use super::error::RunError;
-use super::settings_check::MAX_STEPS;
 use super::state::{Setup, SolverState};
 use crate::grid::Grid;
 use crate::ir::{
@@ -196,19 +195,20 @@ pub(super) fn due_edges<'a>(
 /// level, in addition to `equal_steps`. Points of tables are not counted, because files limit their number.
 ///
 /// # Errors
-/// If there are more than [`MAX_STEPS`]. The error names the drive with the most jumps, unless these are fewer than the
+/// If there are more than `max`. The error names the drive with the most jumps, unless these are fewer than the
 /// equal steps.
 pub(super) fn check_step_count(
     program: &Program,
     sources: &[LevelSource],
     length: f64,
     equal_steps: f64,
+    max: f64,
 ) -> Result<(), RunError> {
     let jumps = |source: &LevelSource| match source {
         LevelSource::Points { .. } => 0.0,
         _ => length * source.rate(&program.tables),
     };
-    let (steps, max) = (equal_steps + sources.iter().map(jumps).sum::<f64>(), MAX_STEPS);
+    let steps = equal_steps + sources.iter().map(jumps).sum::<f64>();
     let drives =
         sources.iter().zip(&program.lowered.levels).map(|(source, level)| (jumps(source), source, level));
     let most = drives.max_by(|one, other| one.0.total_cmp(&other.0));

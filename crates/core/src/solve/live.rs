@@ -2,7 +2,7 @@
 //!
 //! [`run`](super::run()) plays all phases at once. A [`LiveRun`] plays the same phases with the same steps, so its
 //! samples have the same bits, but returns to the caller whenever that is wanted. In between, parameters can be set,
-//! probes moved, and the machine moved back to a [`Checkpoint`].
+//! probes moved, and the machine moved to a [`Checkpoint`].
 
 use super::error::RunError;
 use super::fast_path::Halt;
@@ -57,14 +57,12 @@ pub struct LiveRun<'p> {
 }
 
 /// What a live run does after an advance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LiveState {
     /// The machine operates. It has reached the time or taken the steps of the advance.
     Operating,
     /// A phase has ended, and another one follows.
     BetweenPhases,
-    /// The machine was held for a time in seconds, which the recorder's clock now includes.
-    Held(f64),
     /// All phases have been played.
     Finished,
 }
@@ -165,7 +163,6 @@ impl<'p> LiveRun<'p> {
     /// # Errors
     /// If the phase cannot be played.
     fn begin(&mut self, phase: &Phase) -> Result<LiveState, RunError> {
-        let before = self.clock();
         let player = &mut self.player;
         match phase {
             Phase::Operate { time, until } => {
@@ -180,9 +177,7 @@ impl<'p> LiveRun<'p> {
             phase => {
                 player.play(phase)?;
                 player.recorder.watch_present(&player.machine.solver);
-                let held = self.clock() - before;
-                let is_hold = matches!(phase, Phase::Hold { .. }) && held > 0.0;
-                Ok(if is_hold { LiveState::Held(held) } else { LiveState::BetweenPhases })
+                Ok(LiveState::BetweenPhases)
             }
         }
     }
@@ -218,11 +213,6 @@ impl<'p> LiveRun<'p> {
     /// Whether all phases have been played.
     pub fn is_finished(&self) -> bool {
         self.operating.is_none() && self.queue.is_empty()
-    }
-
-    /// Adds a phase after those that are left.
-    pub fn append(&mut self, phase: Phase) {
-        self.queue.append(phase);
     }
 
     /// The time by the recorder's clock in seconds: problem time and the time in hold since the last initial condition.
@@ -324,7 +314,7 @@ impl<'p> LiveRun<'p> {
         })
     }
 
-    /// Returns to an earlier instant of the same run. The parameters are those of that instant.
+    /// Returns to another instant of the same run, which may be later. The parameters are those of that instant.
     pub fn return_to(&mut self, checkpoint: &Checkpoint<'p>) {
         let Player { machine, recorder, is_held, .. } = &mut self.player;
         machine.clone_from(&checkpoint.machine);
@@ -401,14 +391,6 @@ impl PhaseQueue {
     /// Adds a phase before the others.
     fn put_first(&mut self, phase: Phase) {
         self.levels[0].phases.insert(0, phase);
-    }
-
-    /// Adds a phase after the others.
-    fn append(&mut self, phase: Phase) {
-        if self.levels.is_empty() {
-            self.levels.push(Level { phases: Vec::new(), next: 0, times_left: 0 });
-        }
-        self.levels[0].phases.push(phase);
     }
 
     /// Removes and returns the next phase, which is not a repetition.

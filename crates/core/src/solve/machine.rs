@@ -15,6 +15,7 @@ use super::fast_path::FastPath;
 use super::lamps::Lamps;
 use super::levels::{LevelSource, jump_rate};
 use super::observer::{NoObserver, StepObserver};
+use super::settings_check::MAX_STEPS;
 use super::settings_check::check_tolerance;
 use super::state::{Setup, Solver, SolverState};
 use super::step_check::StepCheck;
@@ -78,6 +79,8 @@ pub struct Machine<'p> {
     pub(super) mode: MachineMode,
     /// Work done since the last initial condition.
     pub(super) work: WorkCounters,
+    /// Largest number of steps of a run.
+    pub(super) max_steps: f64,
     /// Checks of the equal steps; `None` if there are none.
     pub(super) step_check: Option<StepCheck>,
     /// The largest outputs of all amplifiers; `None` if they are not needed.
@@ -202,6 +205,7 @@ impl<'p> Machine<'p> {
             fast_path: FastPath::new(program),
             mode: MachineMode::InitialCondition,
             work: WorkCounters::default(),
+            max_steps: MAX_STEPS,
             step_check: None,
             amplifier_peaks: None,
         })

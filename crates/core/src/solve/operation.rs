@@ -9,7 +9,6 @@ use super::error::RunError;
 use super::fast_path::{ActiveRun, Halt};
 use super::machine::{Machine, MachineMode};
 use super::observer::StepObserver;
-use super::settings_check::MAX_STEPS;
 use crate::kernel::Steps;
 
 /// Largest adaptive step as a share of the time to operate. Without it, the first step after a standstill could skip
@@ -95,7 +94,7 @@ impl Machine<'_> {
         if self.solver.state.time >= end || self.hold_if_stopped(observer) {
             return Ok(false);
         }
-        let (steps, max) = (self.work.steps as f64, MAX_STEPS);
+        let (steps, max) = (self.work.steps as f64, self.max_steps);
         if steps > max {
             return Err(RunError::TooManySteps { steps, max });
         }

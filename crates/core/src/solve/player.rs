@@ -305,7 +305,8 @@ impl<'p, 'w> Player<'p, 'w> {
     fn check_remaining_steps(&self) -> Result<(), RunError> {
         let (solver, length) = (&self.machine.solver, self.operating_time_left);
         let equal_steps = self.machine.equal_steps_in(length);
-        check_step_count(solver.setup.program, &solver.state.level_sources, length, equal_steps)
+        let max = self.machine.max_steps;
+        check_step_count(solver.setup.program, &solver.state.level_sources, length, equal_steps, max)
     }
 
     /// The present parameters, scales and signals, which formulas of a phase can name.

@@ -314,12 +314,13 @@ pub(super) fn prepare_player<'p, 'w>(
         Some(tolerance) => Machine::with_error_rate(program, tolerance / settings.duration(), settings.step)?,
         None => Machine::new(program, settings.step)?,
     };
+    machine.max_steps = settings.max_steps;
     if !settings.sensitivities.is_empty() {
         machine.differentiate(&settings.sensitivities)?;
     }
     let operated = RunExtent::of(&settings.phases).operate_time;
     let equal_steps = machine.equal_steps_in(operated);
-    check_step_count(program, &machine.solver.state.level_sources, operated, equal_steps)?;
+    check_step_count(program, &machine.solver.state.level_sources, operated, equal_steps, machine.max_steps)?;
     let recorder = Recorder::new(program, &machine.solver, settings, progress)?;
     machine.fast_path.restart(settings.backend, recorder.registers());
     if settings.checks_steps && settings.tolerance.is_none() {

@@ -4,6 +4,7 @@
 //! `settings_curves` the one for curves. The settings for the run plan of a patch are made outside this module, because
 //! the solver does not depend on circuits.
 
+use super::settings_check::MAX_STEPS;
 use crate::document::{Phase, RunExtent};
 use crate::ir::Program;
 use crate::kernel::{Backend, Kernel};
@@ -47,6 +48,9 @@ pub struct RunSettings {
     /// [`MIN_TOLERANCE`](super::MIN_TOLERANCE) to [`MAX_TOLERANCE`](super::MAX_TOLERANCE). If the motion amplifies
     /// errors, as stick-slip does, the result is less accurate.
     pub tolerance: Option<f64>,
+    /// Largest number of steps, 1e10 at first: of the whole run for equal steps, and with a tolerance from one initial
+    /// condition to the next.
+    pub max_steps: f64,
     /// Time between recorded samples, above 0 and at most [`duration`](Self::duration). The end of every phase that
     /// takes time is recorded in any case. Recording never changes the steps.
     pub every: f64,
@@ -96,6 +100,7 @@ impl RunSettings {
             phases: phases.into_iter().collect(),
             step,
             tolerance: None,
+            max_steps: MAX_STEPS,
             every: step,
             hold_on_overload: false,
             has_lamps: true,

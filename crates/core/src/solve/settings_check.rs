@@ -51,11 +51,11 @@ impl RunSettings {
     /// Checks the number of steps, of recorded numbers, and of those that stay in memory.
     ///
     /// # Errors
-    /// If they exceed [`MAX_STEPS`], [`MAX_STREAMED_NUMBERS`] or [`MAX_NUMBERS`].
+    /// If they exceed [`RunSettings::max_steps`], [`MAX_STREAMED_NUMBERS`] or [`MAX_NUMBERS`].
     fn check_size(&self, extent: RunExtent) -> Result<(), RunError> {
-        let steps = extent.operate_time / self.step;
-        if self.tolerance.is_none() && steps > MAX_STEPS {
-            return Err(RunError::TooManySteps { steps, max: MAX_STEPS });
+        let (steps, max) = (extent.operate_time / self.step, self.max_steps);
+        if self.tolerance.is_none() && steps > max {
+            return Err(RunError::TooManySteps { steps, max });
         }
         if self.block_samples.is_none() {
             return check_numbers(self.recorded_numbers(), MAX_NUMBERS);

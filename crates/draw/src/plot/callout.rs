@@ -4,8 +4,7 @@
 //! of the line, some directions and some distances. It must be on the screen, on no line and on no text, and the leader
 //! must cross no text. Of these the position whose leader crosses the fewest lines is used, and then the nearest one.
 
-use super::clip::{Area, clip};
-use super::trace::Line;
+use super::clip::{Area, Line, clip};
 
 /// A label away from its line.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,5 +1,8 @@
 //! Rectangles, and clipping of lines to them.
 
+/// The points of one connected line.
+pub(super) type Line = Vec<(f64, f64)>;
+
 /// A rectangle with y pointing down, so `top` is at most `bottom`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
@@ -66,12 +69,12 @@ impl Area {
 }
 
 /// Returns the pieces of a line that are inside an area. A single point is one piece.
-pub(super) fn clip(points: &[(f64, f64)], area: Area) -> Vec<Vec<(f64, f64)>> {
+pub(super) fn clip(points: &[(f64, f64)], area: Area) -> Vec<Line> {
     if let [point] = points {
         let inside = area.contains(*point).then(|| vec![*point]);
         return inside.into_iter().collect();
     }
-    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut pieces: Vec<Line> = Vec::new();
     for ends in points.windows(2) {
         if let Some((from, to)) = visible_part(ends[0], ends[1], area) {
             match pieces.last_mut().filter(|piece| piece.last() == Some(&from)) {
@@ -84,10 +87,10 @@ pub(super) fn clip(points: &[(f64, f64)], area: Area) -> Vec<Vec<(f64, f64)>> {
 }
 
 /// The two ends of a straight line.
-type Segment = ((f64, f64), (f64, f64));
+pub(super) type Segment = ((f64, f64), (f64, f64));
 
 /// Returns the part of a straight line that is inside an area; `None` if there is none.
-fn visible_part(from: (f64, f64), to: (f64, f64), area: Area) -> Option<Segment> {
+pub(super) fn visible_part(from: (f64, f64), to: (f64, f64), area: Area) -> Option<Segment> {
     let along_x = inside_fractions(from.0, to.0, area.left, area.right)?;
     let along_y = inside_fractions(from.1, to.1, area.top, area.bottom)?;
     let (enter, leave) = (along_x.0.max(along_y.0), along_x.1.min(along_y.1));

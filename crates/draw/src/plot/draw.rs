@@ -2,6 +2,7 @@
 
 use super::layout::Frame;
 use super::surface::Surface;
+use super::trace::Projection;
 use super::{Picture, PlotError, band, graticule, header, labels, markers, palette, scales, trace};
 
 /// Draws one picture into the upper left corner of a surface.
@@ -25,7 +26,7 @@ pub(super) fn picture(picture: &Picture, frame: &Frame, surface: &mut dyn Surfac
     let lines: Vec<_> = traces.iter().flat_map(|(lines, ..)| lines).cloned().collect();
     let marker_labels = markers::draw(picture, &lines, screen, surface)?;
     for (lines, part, colour) in &traces {
-        trace::draw(lines, part, *colour, surface)?;
+        trace::draw(&Projection { picture, channel: part, screen }, lines, *colour, surface)?;
     }
     labels::draw(picture, lines, marker_labels, screen, surface)?;
     scales::draw(picture, frame, screen, surface)

@@ -6,9 +6,9 @@
 //! label is placed away from its line, with a leader.
 
 use super::callout;
-use super::clip::{Area, clip};
+use super::clip::{Area, Line, clip};
 use super::surface::{Align, Surface, TextStyle};
-use super::trace::{DOT_RADIUS, Line, Projection};
+use super::trace::{DOT_RADIUS, Projection};
 use super::{Channel, Picture, PlotError, font, graticule, palette};
 
 /// The em size of the labels.

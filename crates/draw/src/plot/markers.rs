@@ -3,9 +3,8 @@
 //! The labels are in two rows at the upper edge of the screen. A label that a trace would cross there is in one of two
 //! rows at the lower edge, if it is free of traces there.
 
-use super::clip::{Area, clip};
+use super::clip::{Area, Line, clip};
 use super::surface::{Align, Surface, TextStyle};
-use super::trace::Line;
 use super::{Picture, PlotError, font, palette};
 
 /// The em size of the labels.

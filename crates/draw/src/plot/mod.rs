@@ -9,12 +9,14 @@
 mod axis;
 mod band;
 mod callout;
+mod cells;
 mod clip;
 mod colour;
 mod density;
 mod draw;
 mod drawing;
 mod error;
+mod exposure;
 mod font;
 mod format;
 mod graticule;
@@ -37,8 +39,10 @@ mod trace;
 
 pub use axis::Axis;
 pub use clip::Area;
+pub use density::{Strokes, strokes};
 pub use drawing::{Align, Drawing, Label, Primitive, render_drawing, text_width, truncate_text};
 pub use error::PlotError;
+pub use exposure::{Exposure, Shade};
 pub(crate) use font::with_minus_sign;
 pub use format::Format;
 pub use picture::{Channel, Marker, Picture};

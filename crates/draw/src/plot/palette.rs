@@ -64,7 +64,7 @@ pub(super) fn wrong(colour: Colour) -> Colour {
 }
 
 /// Returns a share of a colour mixed with the background of the screen.
-fn mixed_with_screen(colour: Colour, share: f64) -> Colour {
+pub(super) fn mixed_with_screen(colour: Colour, share: f64) -> Colour {
     let mix = |full: u8, background: u8| {
         (f64::from(background) + share * (f64::from(full) - f64::from(background))) as u8
     };

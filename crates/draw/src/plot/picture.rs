@@ -1,6 +1,7 @@
 //! A scope picture as data.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::Axis;
 
@@ -73,6 +74,9 @@ pub struct Channel {
     /// Whether the trace uses [`Picture::vertical_right`]. If that axis is `None`, the trace uses
     /// [`Picture::vertical`].
     pub right: bool,
+    /// The time of each point in seconds; empty if the horizontal axis is the time. A dense trace is darker where it
+    /// stays longer.
+    pub times: Arc<[f64]>,
     /// Indices of points at which a new line starts.
     pub breaks: Vec<usize>,
     /// Indices of points and the labels next to them. A label is omitted if it does not fit.
@@ -94,6 +98,7 @@ impl Channel {
         Channel {
             name: name.into(),
             points,
+            times: Arc::default(),
             right: false,
             breaks: vec![],
             labels: vec![],

@@ -5,11 +5,11 @@
 
 use std::borrow::Cow;
 
-use super::clip::{Area, clip};
+use super::clip::{Area, Line, clip};
 use super::colour::Colour;
 use super::surface::Surface;
 use super::thin::{drop_repeats, is_finite, is_monotonic, thin};
-use super::{Channel, Picture, PlotError, density, palette};
+use super::{Channel, Exposure, Picture, PlotError, Strokes, palette, strokes};
 
 /// The thickness of a trace.
 const LINE_WIDTH: f64 = 1.6;
@@ -35,9 +35,6 @@ const MAX_COORDINATE: f64 = 1e7;
 /// Points outside the screen by at most this distance are drawn, because ranges may be exceeded by
 /// the rounding of the data.
 const EDGE_TOLERANCE: f64 = 0.25;
-
-/// The points of one connected line.
-pub(super) type Line = Vec<(f64, f64)>;
 
 /// Returns the visible lines of a channel, in picture units. `unit` is the pixels per picture unit.
 pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f64) -> Vec<Line> {
@@ -75,20 +72,38 @@ fn with_points(channel: &Channel, is_selected: impl Fn(usize) -> bool) -> Channe
     Channel { points: points.collect(), ..channel.clone() }
 }
 
-/// Draws the lines, or dots, of a channel in a colour. Lines that are drawn over themselves many times are translucent,
-/// so that their density is visible.
+/// Draws the lines, or dots, of the channel of a projection in a colour. Dense lines have shades or are translucent, so
+/// that their density is visible.
 pub(super) fn draw(
+    projection: &Projection<'_>,
     lines: &[Line],
-    channel: &Channel,
     colour: Colour,
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
+    let channel = projection.channel;
     let width = width(channel);
     if channel.dots || channel.faint {
-        return lines.iter().try_for_each(|line| surface.line(line, width, colour));
+        return draw_opaque(lines, width, colour, surface);
     }
-    let (opacity, strokes) = density::strokes(lines, width);
-    strokes.iter().try_for_each(|stroke| surface.translucent_line(stroke, width, colour, opacity))
+    match strokes(lines, width, |exposure| projection.expose(exposure)) {
+        Strokes::Opaque(lines) => draw_opaque(lines, width, colour, surface),
+        Strokes::Translucent(opacity, strokes) => {
+            strokes.iter().try_for_each(|stroke| surface.translucent_line(stroke, width, colour, opacity))
+        }
+        Strokes::Shades(shades) => shades.iter().try_for_each(|shade| {
+            draw_opaque(&shade.lines, width, palette::mixed_with_screen(colour, shade.share), surface)
+        }),
+    }
+}
+
+/// Draws lines, or dots, without the colours below them.
+fn draw_opaque(
+    lines: &[Line],
+    width: f64,
+    colour: Colour,
+    surface: &mut dyn Surface,
+) -> Result<(), PlotError> {
+    lines.iter().try_for_each(|line| surface.line(line, width, colour))
 }
 
 /// Returns the thickness of a line, or the radius of a dot.
@@ -153,6 +168,22 @@ impl Projection<'_> {
             (self.screen.left + x * self.screen.width()).clamp(-MAX_COORDINATE, MAX_COORDINATE),
             (self.screen.bottom - y * self.screen.height()).clamp(-MAX_COORDINATE, MAX_COORDINATE),
         )
+    }
+
+    /// Adds the path of the channel with its times. Without times, x is the time.
+    fn expose(&self, exposure: &mut Exposure) {
+        let Channel { points, times, breaks, .. } = self.channel;
+        let mut begins = vec![false; points.len()];
+        for index in breaks.iter().filter(|index| **index < points.len()) {
+            begins[*index] = true;
+        }
+        for (index, ends) in points.windows(2).enumerate() {
+            if !begins[index + 1] && is_finite(ends[0]) && is_finite(ends[1]) {
+                let even = (ends[1].0 - ends[0].0).abs();
+                let seconds = times.get(index..index + 2).map_or(even, |times| times[1] - times[0]);
+                exposure.add(self.project(ends[0]), self.project(ends[1]), seconds);
+            }
+        }
     }
 
     /// Returns the projected points without those that add nothing visible.

@@ -26,6 +26,6 @@ pub use diagram::{Diagram, Net, PlacedSymbol};
 pub use layout::{Point, Route};
 pub use legend::legend;
 pub use lists::{List, ListRow};
-pub use settings::{of_element as settings_of_element, of_instance as settings_of_instance};
+pub use settings::{number as setting_number, of_element as settings_of_element};
 pub use sheet::{DrawError, OpenedMacro, Schematic};
 pub use symbol::{CordSource, ElementState, Jack, SettingValue, Symbol, SymbolOutput, SymbolSetting};

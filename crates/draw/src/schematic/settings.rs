@@ -6,13 +6,13 @@
 
 use super::number_text::{format_four_digits, format_fraction, format_volts, format_with_unit};
 use super::symbol::{SettingValue, SymbolSetting};
-use patchcord_core::circuit::{Circuit, Element};
+use patchcord_core::circuit::{Circuit, Element, Quantities};
 use patchcord_core::elements::{Setting as SettingRow, SettingDefault, SettingQuantity};
 use patchcord_core::patch::{Amount, Instance, InstanceSetting};
 use patchcord_expr::{Formula, Unit};
 
 /// Returns the settings of an instance in the units of its macro.
-pub fn of_instance(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
+pub(super) fn of_instance(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<SymbolSetting> {
     let setting = |(key, made): (&String, &InstanceSetting)| {
         let value = circuit.per_volt(circuit.derived_index(&format!("{name}.{key}"))?)?;
         let text = made.value.value.text();
@@ -52,9 +52,8 @@ fn given_setting(
 ) -> Option<SymbolSetting> {
     let (value, formula, shown) = match (amount, row.quantity) {
         (Amount::Formula(formula), _) => {
-            let value = formula.evaluate(circuit.quantities()).ok()?;
             let unit = unit(circuit, element, row);
-            let value = in_unit(circuit, row, formula, value, &unit);
+            let value = number(circuit.quantities(), row, formula, &unit)?;
             (SettingValue::Number(value), formula_text(formula.text()), shown(row, value, &unit))
         }
         (Amount::Flag(flag), _) => (SettingValue::Flag(*flag), None, format_flag(*flag)),
@@ -101,18 +100,19 @@ fn unit(circuit: &Circuit, element: &Element, row: &SettingRow) -> String {
     }
 }
 
-/// Converts the value of a formula into the unit of its setting.
+/// Returns the value of a formula for a setting, in the unit of the setting; `None` if the formula has no value.
 ///
 /// A formula for a setting of a drive has a value in SI units, unless it is a plain number. An angular
 /// frequency is converted to Hz.
-fn in_unit(circuit: &Circuit, row: &SettingRow, formula: &Formula, value: f64, unit: &str) -> f64 {
+pub fn number(quantities: &Quantities, row: &SettingRow, formula: &Formula, unit: &str) -> Option<f64> {
+    let value = formula.evaluate(quantities).ok()?;
     if row.quantity == SettingQuantity::Hertz {
-        return circuit.quantities().in_hertz(formula, value);
+        return Some(quantities.in_hertz(formula, value));
     }
     let is_of_signal = matches!(row.quantity, SettingQuantity::Signal | SettingQuantity::SignalRate);
     match Unit::parse(unit) {
-        Ok(unit) if is_of_signal && !circuit.is_literal(formula) => unit.out_of_si(value),
-        _ => value,
+        Ok(unit) if is_of_signal && !quantities.is_literal(formula) => Some(unit.out_of_si(value)),
+        _ => Some(value),
     }
 }
 

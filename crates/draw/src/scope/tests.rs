@@ -55,6 +55,13 @@ fn signals_in_one_unit_have_equal_scales_unless_the_patch_says_otherwise() {
     }
 }
 
+#[test]
+fn curves_against_a_signal_have_the_times_of_their_points() {
+    let times = |x: &str| picture(&trace(), &spec(x, &["w"]), None, &[]).unwrap().channels[0].times.to_vec();
+    assert_eq!(times("v"), trace().time);
+    assert!(times("t").is_empty(), "x is the time");
+}
+
 fn fault(signal: &str, repetition: usize, time: f64) -> SignalFault {
     SignalFault { signal: signal.to_owned(), repetition, time, cause: format!("{signal} over 100 V") }
 }

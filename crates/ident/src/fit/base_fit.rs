@@ -23,7 +23,7 @@ const BETTER_CHI2_RATIO: f64 = 0.99;
 /// from none of the starts.
 ///
 /// # Errors
-/// If the patch cannot be run along the records at all.
+/// If the patch cannot be run along the records at all, or the fit is cancelled.
 ///
 /// # Examples
 ///
@@ -56,12 +56,15 @@ pub fn fit_base(
     let with_fitted_initial = starts.filter_map(|start| fit_problem.fit_initial(&start));
     let starts: Vec<Estimate> = with_fitted_initial.chain([nominal.clone()]).collect();
     let start = FitStart::from_estimates(starts);
-    let Some(mut fitted) = fit_variant(problem, variant, start, f64::INFINITY)? else { return Ok(None) };
-    if !problem.is_cut && fitted.is_poor() {
-        fitted = refit_over_pieces(problem, fitted)?;
-    }
-    let finished = finish(problem, &fitted)?;
-    Ok(Some(finished.unwrap_or(fitted)))
+    let fitted = fit_variant(problem, variant, start, f64::INFINITY)?;
+    let fitted = match fitted {
+        Some(fitted) if !problem.is_cut && fitted.is_poor() => Some(refit_over_pieces(problem, fitted)?),
+        fitted => fitted,
+    };
+    let finished = fitted.as_ref().map(|fitted| finish(problem, fitted)).transpose()?.flatten();
+    // A run that was left out counts as failed.
+    problem.cancellation.check()?;
+    Ok(finished.or(fitted))
 }
 
 /// Refines the solver steps and, if necessary, the initial voltages of the validation records. `None` if neither

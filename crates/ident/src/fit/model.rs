@@ -62,8 +62,8 @@ pub enum ModelError {
     /// A record cannot feed a drive.
     #[error(transparent)]
     DriveTable(#[from] DriveTableError),
-    /// The flag of `SearchSettings::with_cancel` was set.
-    #[error("the search was cancelled")]
+    /// The flag of `Problem::with_cancel` was set.
+    #[error("cancelled")]
     Cancelled,
 }
 

@@ -64,9 +64,30 @@ pub struct Problem {
 const MIN_PIECE_SAMPLES: usize = 40;
 
 impl Problem {
-    /// The same problem, whose runs end when a flag is set.
-    pub(crate) fn with_cancel(&self, flag: &Arc<AtomicBool>) -> Problem {
-        Problem { cancellation: Cancellation::by(flag), ..self.clone() }
+    /// The same problem with a flag that cancels its fits and searches. When the flag becomes true, they end after the
+    /// present run of the patch with [`ModelError::Cancelled`].
+    ///
+    /// # Examples
+    ///
+    /// ```no_run
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::{AtomicBool, Ordering};
+    ///
+    /// use patchcord_ident::{Experiment, Library, ModelError, Problem, SearchSettings, search};
+    ///
+    /// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
+    /// let cancel = Arc::new(AtomicBool::new(false));
+    /// let (problem, library) = (Problem::of(&experiment)?.with_cancel(&cancel), Library::shipped());
+    /// // The search is cancelled after its first trial.
+    /// let outcome = search(&experiment, &problem, &SearchSettings::new(&library), |progress| {
+    ///     cancel.fetch_or(progress.trial.is_some(), Ordering::Relaxed);
+    /// });
+    /// assert!(matches!(outcome, Err(ModelError::Cancelled)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_cancel(self, flag: &Arc<AtomicBool>) -> Problem {
+        Problem { cancellation: Cancellation::by(flag), ..self }
     }
 
     /// The values of one output in the model: data - sigma * residual. NaN if a datum is missing.
@@ -82,7 +103,7 @@ impl Problem {
     /// The model of a variant: it runs along `records` and returns the signals `outputs`.
     ///
     /// # Errors
-    /// If the patch cannot be compiled, a record cannot feed it, or the search is cancelled.
+    /// If the patch cannot be compiled, a record cannot feed it, or the fit or search is cancelled.
     pub(crate) fn model(
         &self,
         variant: &ModelVariant,

@@ -57,32 +57,5 @@ impl Simulation {
     }
 }
 
-/// Simulates the patch of an experiment along its records. [`Simulation`] takes less time for many values of the
-/// parameters.
-///
-/// # Errors
-/// As for [`Simulation::new`] and [`Simulation::run`].
-///
-/// # Examples
-///
-/// ```
-/// use patchcord_ident::{Experiment, simulate};
-///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
-/// let simulated = simulate(&experiment, &[("k".to_owned(), 40.0)])?;
-/// let samples: Vec<usize> = simulated.iter().map(|record| record.outputs[0].len()).collect();
-/// assert_eq!(samples, [experiment.train[0].len(), experiment.validation[0].len()]);
-/// assert!((simulated[0].outputs[0][0] - 50.0).abs() < 1e-9);
-/// # Ok(())
-/// # }
-/// ```
-pub fn simulate(
-    experiment: &Experiment,
-    parameters: &[(String, f64)],
-) -> Result<Vec<SimulatedRecord>, ModelError> {
-    Simulation::new(experiment, &Problem::of(experiment)?)?.run(parameters)
-}
-
 #[cfg(test)]
 mod tests;

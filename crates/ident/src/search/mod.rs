@@ -81,8 +81,6 @@ pub fn search(
     settings: &SearchSettings<'_>,
     mut progress: impl FnMut(Progress) + Send,
 ) -> Result<Option<Outcome>, ModelError> {
-    let cancellable = settings.cancel.map(|flag| problem.with_cancel(flag));
-    let problem = cancellable.as_ref().unwrap_or(problem);
     let outcome = parallel::with_threads(settings.threads, || {
         search_on_threads(experiment, problem, settings, &mut progress)
     });

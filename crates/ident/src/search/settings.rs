@@ -1,7 +1,5 @@
 //! The settings of a search.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use crate::effects::Library;
@@ -27,15 +25,13 @@ pub struct SearchSettings<'a> {
     pub threads: usize,
     /// Seed of the random numbers for the starts of the fits. The default is 1. The same seed gives the same result.
     pub seed: u64,
-    /// The flag that cancels the search. None if it is never cancelled.
-    pub cancel: Option<&'a Arc<AtomicBool>>,
 }
 
 impl<'a> SearchSettings<'a> {
     /// The settings for a library, with a thread for each core and the seed 1.
     pub fn new(library: &'a Library) -> Self {
         let threads = thread::available_parallelism().map_or(1, usize::from);
-        SearchSettings { library, threads, seed: 1, cancel: None }
+        SearchSettings { library, threads, seed: 1 }
     }
 
     /// Sets the number of threads. 0 counts as 1.
@@ -48,32 +44,5 @@ impl<'a> SearchSettings<'a> {
     #[must_use]
     pub fn with_seed(self, seed: u64) -> Self {
         SearchSettings { seed, ..self }
-    }
-
-    /// Sets a flag that cancels the search. When it becomes true, the search ends after the present run of the patch
-    /// with [`ModelError::Cancelled`](crate::fit::model::ModelError::Cancelled).
-    ///
-    /// # Examples
-    ///
-    /// ```no_run
-    /// use std::sync::Arc;
-    /// use std::sync::atomic::{AtomicBool, Ordering};
-    ///
-    /// use patchcord_ident::{Experiment, Library, ModelError, Problem, SearchSettings, search};
-    ///
-    /// let experiment = Experiment::read("../../examples/05_missing_effect/spring.experiment.json")?;
-    /// let (problem, library) = (Problem::of(&experiment)?, Library::shipped());
-    /// let cancel = Arc::new(AtomicBool::new(false));
-    /// let settings = SearchSettings::new(&library).with_cancel(&cancel);
-    /// // The search is cancelled after its first trial.
-    /// let outcome = search(&experiment, &problem, &settings, |progress| {
-    ///     cancel.fetch_or(progress.trial.is_some(), Ordering::Relaxed);
-    /// });
-    /// assert!(matches!(outcome, Err(ModelError::Cancelled)));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn with_cancel(self, cancel: &'a Arc<AtomicBool>) -> Self {
-        SearchSettings { cancel: Some(cancel), ..self }
     }
 }

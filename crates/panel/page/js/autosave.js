@@ -4,8 +4,9 @@
  *
  * @typedef {{id: string, title: string, file: string, path: string | null, time: number, edited: boolean, isSaved: boolean,
  *   writer: string, snapshots: {time: number, data: Uint8Array}[]}} Row  a kept patch, with the oldest snapshot first
- * @typedef {{id: string, path: string | null, edited: boolean, opened: number, saved: number | null}} Entry  the patch on
- *   the panel: `path` is that in the gallery, `opened` and `saved` are revisions
+ * @typedef {{id: string, path: string | null, edited: boolean, isEarlier: boolean, opened: number, saved: number | null}}
+ *   Entry  the patch on the panel: `path` is that in the gallery, `isEarlier` says that it continues an earlier snapshot than
+ *   the newest one and is not kept since, `opened` and `saved` are revisions
  */
 
 import { toast } from './messages.js';
@@ -61,13 +62,13 @@ async function sorted(rows) {
   return (await result(rows.getAll())).sort((one, other) => other.edited - one.edited || other.time - one.time);
 }
 
-/** Adds a snapshot. If the one before the newest is recent, it replaces the newest one. */
+/** Adds a snapshot. If the one before the newest is recent, it replaces the newest one, unless it continues an earlier one. */
 async function add(rows, entry, about, data) {
   const known = await result(rows.get(entry.id));
   if (known && known.writer !== writer) entry.id = random();
   const snapshots = known?.snapshots ?? [];
   const time = Date.now();
-  if (time - snapshots.at(-2)?.time < APART) snapshots.pop();
+  if (!entry.isEarlier && time - snapshots.at(-2)?.time < APART) snapshots.pop();
   snapshots.push({ time, data });
   rows.put({ ...about, id: entry.id, path: entry.path, time, writer, snapshots: snapshots.slice(-SNAPSHOTS) });
   const others = (await sorted(rows)).filter(({ id }) => id !== entry.id);
@@ -87,6 +88,7 @@ async function write() {
   try {
     const data = await deflate(JSON.stringify(found.snapshot));
     await transact((rows) => add(rows, entry, about, data));
+    entry.isEarlier = false;
     if (entry !== present) return;
     kept = until;
     sessionStorage.setItem(TAB, `${entry.id} ${location.pathname}${location.search}`);
@@ -128,7 +130,7 @@ export function markSaved() {
  * have either patch.
  * @returns {Promise<boolean>} whether the session has done it
  */
-export async function replace(command, fields, { id = random(), path = null, edited = false, isSaved = true } = {}) {
+export async function replace(command, fields, { id = random(), path = null, edited = false, isSaved = true, isEarlier = false } = {}) {
   const before = present;
   present = null;
   if (!eventOf(await send(command, fields), 'patch')) {
@@ -136,23 +138,27 @@ export async function replace(command, fields, { id = random(), path = null, edi
     return false;
   }
   const { revision } = state.patch;
-  present = { id, path, edited, opened: revision, saved: isSaved ? revision : null };
+  present = { id, path, edited, isEarlier, opened: revision, saved: isSaved ? revision : null };
   emit('saved', null);
   changes += 1;
   keep();
   return true;
 }
 
-/** Continues a kept patch with its newest snapshot that the session can read. @returns {Promise<boolean>} */
-export async function restore(id) {
+/**
+ * Continues a kept patch with its newest snapshot that the session can read, or with the snapshot of a time. The newest
+ * one then stays a snapshot.
+ * @returns {Promise<boolean>}
+ */
+export async function restore(id, time) {
   const row = await transact(async (rows) => {
     const found = await result(rows.get(id));
     if (found) rows.put({ ...found, writer });
     return found;
   });
-  for (const { data } of row?.snapshots.reverse() ?? []) {
+  for (const { data } of row?.snapshots.reverse().filter((each) => !time || each.time === time) ?? []) {
     const snapshot = JSON.parse(await inflate(data, Infinity));
-    if (await replace('restore', { snapshot }, row)) return true;
+    if (await replace('restore', { snapshot }, time ? { ...row, isSaved: false, isEarlier: true } : row)) return true;
   }
   return false;
 }

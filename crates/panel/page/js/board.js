@@ -28,7 +28,7 @@ let plate = {};
 let drawn = { stops: new Map(), outs: [], lamps: [] };
 let cords = { stops: new Map() };
 let notes = new Map();
-let [isShown, tipped, current, timer] = [false, null, null, 0];
+let [isShown, tipped, marked, current, timer] = [false, null, null, null, 0];
 let isDue = rateLimiter(PERIOD);
 const zoom = new Zoom(root, [canvas, live], 20, READABLE, () => showTip(tipped));
 
@@ -71,9 +71,12 @@ function showTip(one, canRemove = !tipButton.hidden) {
 }
 /** Shows what the pointer is on; without it, what has the focus. */
 function hover(one, seen = one ?? (hasFocus(canvas) ? current : null)) {
-  if (seen === tipped) return;
-  cordLayer.querySelector('.is-active')?.classList.remove('is-active');
-  if (seen?.type === 'cord') seen.node.classList.add('is-active');
+  // A jack marks its cords, but not because it has the focus after a click.
+  const marks = (one ?? seen?.node.matches(':focus-visible')) && seen;
+  if (seen === tipped && marks === marked) return;
+  marked = marks;
+  const own = board.plugs.filter(({ jack, fixed }) => (jack ?? fixed) === marks).map(({ node }) => node);
+  for (const node of cordLayer.children) node.classList.toggle('is-active', node === seen?.node || own.includes(node));
   showTip(seen, !one);
 }
 /** The panel has two stops of the Tab key: one of the jacks and modules, and one of the cords. */

@@ -20,17 +20,23 @@ function mountModes() {
 }
 
 function mountSpeed() {
+  const buttons = [...byId('speed').children];
   const press = choice('speed', (value) => send('speed', { factor: Number(value) || null }));
-  /** The value of the button for a speed. The fastest one has none. */
-  const valueOf = (speed) => String(speed ?? '');
+  /** The button of the speed that was chosen last: keys can be faster than the answers. */
+  let at = 1;
   const step = (by) => {
-    const buttons = [...byId('speed').children];
-    const at = buttons.findIndex(({ value }) => value === valueOf(state.machine?.speed));
-    buttons[within(0, (at < 0 ? 1 : at) + by, buttons.length - 1)].click();
+    at = within(0, at + by, buttons.length - 1);
+    buttons[at].click();
   };
   bind(',', 'Slower', () => step(-1));
   bind('.', 'Faster', () => step(1));
-  on('machine', ({ speed, rate }) => press(rate === null && valueOf(speed)));
+  on('machine', ({ speed, rate }) => {
+    // The button of the highest speed has no value.
+    const present = String(speed ?? '');
+    press(rate === null && present);
+    at = buttons.findIndex(({ value }) => value === present);
+    if (at < 0) at = 1;
+  });
 }
 
 function mountPause() {
@@ -54,19 +60,18 @@ function pace(frame, factor) {
 /** The readout, and the slider over the run. */
 function mountReadout() {
   const [scrub, value] = [byId('scrub'), byId('scrub-time')];
-  let [factor, isMoved] = [1, false];
+  /** The answer to the last command while the slider is moved. One command is on its way, and a new one replaces one that waits. */
+  let [factor, moved] = [1, null];
   scrub.oninput = () => {
-    isMoved = true;
     value.textContent = quantity(Number(scrub.value), 's');
+    moved = send('scrub', { time: Number(scrub.value) });
   };
-  // The machine forgets the run after the time to which it moves back, so that it moves when the slider is let go.
-  scrub.onchange = async () => {
-    await send('scrub', { time: Number(scrub.value) });
-    isMoved = false;
+  // When it is let go, the slider follows the machine again. There is no `change` if it is back at its place.
+  scrub.onchange = scrub.onpointerup = scrub.onpointercancel = scrub.onblur = async () => {
+    const last = moved;
+    await last;
+    if (moved === last) moved = null;
   };
-  // There is no `change` if the slider is back at its place.
-  scrub.onpointerup = scrub.onpointercancel = scrub.onblur = () => setTimeout(() => { isMoved = false; }, 100);
-  on('machine', ({ oldest }) => { scrub.min = oldest; });
   on('frame', (frame) => {
     const { time } = frame;
     if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
@@ -75,9 +80,10 @@ function mountReadout() {
     // The lamp of the whole machine names the amplifier whose lamp lit first.
     const first = state.patch.outputs[frame.firstLamp];
     write(byId('overload'), first ? `Overload: ${first.name}` : '');
-    if (isMoved) return;
-    scrub.max = Math.max(time, Number(scrub.min));
-    scrub.disabled = time <= Number(scrub.min);
+    if (moved) return;
+    scrub.min = state.machine.oldest ?? time;
+    scrub.max = state.machine.latest ?? time;
+    scrub.disabled = scrub.min === scrub.max;
     scrub.value = time;
     write(value, quantity(time, 's'));
   });

@@ -19,11 +19,13 @@ const attempt = (open) => open().catch((fault) => {
   return false;
 });
 
-async function openText(name, text, path) {
-  const isOpen = await replace('open', { name, text }, { path });
+async function openBy(command, fields, path) {
+  const isOpen = await replace(command, fields, { path });
   if (isOpen) root.dataset.first = '';
   return isOpen;
 }
+
+const openText = (name, text, path) => openBy('open', { name, text }, path);
 
 /** Keeps the present patch, or asks before its changes are lost. @returns {Promise<boolean>} whether to continue */
 async function mayReplace() {
@@ -94,18 +96,27 @@ function mountDrop() {
   });
 }
 
-const textAt = async (path, url) => textOf((await read(path, url)).body, LARGEST_FILE, 'The patch');
+const textAt = async (path, url) => textOf((await read(path, url)).body, LARGEST_FILE, 'The file');
 
-/** Opens a patch of the gallery, or a file in the folder of the page or below it. */
-async function openAt(name) {
-  const isPiece = (await pieces()).some(({ path }) => path === name);
+/** Opens a file in the folder of the page or below it. */
+async function openBelow(path, piece) {
   const folder = new URL('.', document.baseURI);
-  const path = isPiece ? `patches/${name}` : name;
   const url = new URL(path, folder);
   if (!url.href.startsWith(folder.href)) {
     throw new Error('The page opens patches in its own folder only. Save the file and drop it here.');
   }
-  return openText(baseName(decodeURIComponent(url.pathname)), await textAt(path, url), isPiece ? name : null);
+  return openText(baseName(decodeURIComponent(url.pathname)), await textAt(path, url), piece);
+}
+
+/** Opens a patch of the gallery with its measured data, or a file in the folder of the panel or below it. */
+async function openAt(name) {
+  const piece = (await pieces()).find(({ path }) => path === name);
+  if (!piece) return state.host?.kind === 'server' ? openBy('open-file', { name }) : openBelow(name);
+  const { data, experiment } = piece;
+  const text = data && await textAt(`patches/${data}`);
+  const isOpen = await openBelow(`patches/${name}`, name);
+  if (isOpen && data) emit('data', { name: baseName(data), text, experiment, patch: state.patch.file });
+  return isOpen;
 }
 
 async function openNamed() {
@@ -130,7 +141,7 @@ const GALLERY = {
   async open(path) {
     if (await change(() => openAt(path), path)) send('mode', { mode: 'operate' });
   },
-  restore: (id) => change(() => restore(id)),
+  restore: (id, time) => change(() => restore(id, time)),
 };
 
 /** Brings the first patch. If nothing names one, the gallery opens. */

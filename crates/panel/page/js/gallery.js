@@ -1,13 +1,13 @@
 /** The gallery: the shipped patches, and those that this browser keeps. */
 
 import { forget, recent } from './autosave.js';
-import { byId, el, filter, quantity, template } from './dom.js';
+import { button, byId, el, filter, quantity, template } from './dom.js';
 import { addressOf, read } from './resources.js';
 import { on } from './state.js';
 
 /**
  * @typedef {{path: string, title: string, line: string, group: string, picture: string, machine: string,
- *   duration: number | null, note: string, source: string}} Piece
+ *   duration: number | null, note: string, source: string, data: string | null, experiment: object | null}} Piece
  */
 
 /** @type {Promise<Piece[]> | null} */
@@ -44,9 +44,16 @@ function pieceCard({ path, title, line, picture, machine, duration, note, source
   return node;
 }
 
-function keptCard({ id, title, file, time, path }, all, restore) {
-  const texts = { title: title || file, line: new Date(time).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' }) };
-  const { node, remove } = cardOf('kept-piece', all.find((piece) => piece.path === path)?.picture, texts, () => restore(id));
+const when = (time) => new Date(time).toLocaleString([], { dateStyle: 'medium', timeStyle: 'medium' });
+
+function keptCard({ id, title, file, time, path, snapshots }, all, restore) {
+  const texts = { title: title || file, line: when(time) };
+  const { node, remove, earlier, states } = cardOf('kept-piece', all.find((piece) => piece.path === path)?.picture, texts, () => restore(id));
+  earlier.ariaLabel = states.ariaLabel = `Earlier states of ${texts.title}`;
+  states.append(...snapshots.slice(0, -1).reverse().map((each) => button(when(each.time), () => {
+    dialog.close();
+    restore(id, each.time);
+  }, { class: 'small' })));
   remove.ariaLabel = `Delete ${texts.title} of ${texts.line}`;
   remove.onclick = async () => {
     if (!confirm(`${remove.ariaLabel} from this browser?`)) return;
@@ -63,7 +70,7 @@ search.oninput = () => {
   status.textContent = search.value.trim() && `${count} found`;
 };
 
-/** Opens the gallery. @param {{open: (path: string) => void, restore: (id: string) => void}} actions */
+/** Opens the gallery. @param {{open: (path: string) => void, restore: (id: string, time?: number) => void}} actions */
 export async function showGallery({ open, restore }) {
   const all = await pieces();
   const kept = await recent();

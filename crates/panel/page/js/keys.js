@@ -1,21 +1,21 @@
 /** Keys of the page. The table that carries them out is also the list that the page shows. */
 
-import { byId, el, stored, template } from './dom.js';
+import { byId, el, place, stored, template } from './dom.js';
 import { cancelProbe } from './state.js';
 
-/** @type {{key: string, text: string, run: () => void}[]} */
+/** @type {{key: string, text: string | undefined, run: (event: KeyboardEvent) => void, button?: HTMLElement}[]} */
 const table = [];
 
 /**
  * Adds a key: "O", "?", "Space", "Ctrl+S", "Ctrl+Shift+Z".
- * @param {string} text what it does, for the list
- * @param {() => void} run
+ * @param {string | undefined} text what it does, for the list, unless another row says so
+ * @param {(event: KeyboardEvent) => void} run
  */
-export const bind = (key, text, run) => table.push({ key, text, run });
+export const bind = (key, text, run, button) => table.push({ key, text, run, button });
 
 // The keys of buttons are in index.html.
 for (const button of document.querySelectorAll('[aria-keyshortcuts]')) {
-  for (const key of button.ariaKeyShortcuts.split(' ')) bind(key.replace('Control', 'Ctrl'), button.dataset.action, () => button.click());
+  for (const key of button.ariaKeyShortcuts.split(' ')) bind(key.replace('Control', 'Ctrl'), button.dataset.action, () => button.click(), button);
 }
 
 /** The name of a pressed key as `bind` has it. */
@@ -38,18 +38,19 @@ const areLettersOff = () => stored('letters-off') === 'true';
 function pressed(event) {
   if (event.key === 'Escape') cancelProbe();
   const name = nameOf(event);
-  const row = table.find(({ key }) => key === name);
+  // Two views can have the same key.
+  const row = table.find(({ key, button }) => key === name && !button?.closest('[hidden]'));
   if (!row || isTaken(event, name) || (!name.startsWith('Ctrl+') && name !== '?' && areLettersOff())) return;
   event.preventDefault();
-  row.run();
+  row.run(event);
 }
 
 const [dialog, letters] = [byId('key-list'), byId('letters')];
 byId('keys').onclick = () => {
-  dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => {
+  place(dialog.querySelector('dl'), table.filter(({ text }) => text).map(({ key, text }) => {
     const { node, keys } = template('key', { text });
-    keys.append(...key.split('+').map((part) => el('kbd', null, part)));
-    return node;
+    keys.append(...key.split(/\b\+/).map((part) => el('kbd', null, part)));
+    return { node };
   }));
   dialog.showModal();
 };

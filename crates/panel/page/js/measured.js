@@ -19,7 +19,7 @@ let link = null;
 /** The requests that wait. */
 const waiting = new Set();
 let [isBusy, isCancelled] = [false, false];
-/** The file that is sent; the file and the name of the patch that the controls are for. */
+/** The file that is sent, with the experiment of an example; the file and the name of the patch that the controls are for. */
 let [given, shown, patchName] = [];
 /** The text of the last experiment that the session accepted. */
 let accepted = '';
@@ -32,16 +32,20 @@ let values = {};
 /** What was on the panel when it was last looked at. */
 const seen = {};
 
-/** The experiment as the controls have it. */
+/** The experiment of an example, as long as its patch is on the panel. */
+const shipped = () => (given.patch === state.patch.file && given.experiment) || {};
+
+/** The experiment as the controls have it. What they do not have is that of the example. */
 function experiment() {
   const interval = parse(view.interval.value);
   const made = {
+    ...shipped(),
     time: interval ? { interval, unit: 's' } : undefined, outputs: {}, drives: {},
     fit: knobs.filter(({ fit }) => fit.checked).map(({ key }) => key),
   };
   for (const { key, role, unit, offset } of columns) {
     const [kind, name] = role.value.split(' ');
-    const use = { column: key, unit: unit.value || undefined, ...(kind === 'outputs' && { offset: offset.checked }) };
+    const use = { ...shipped()[kind]?.[name], column: key, unit: unit.value || undefined, ...(kind === 'outputs' && { offset: offset.checked }) };
     if (name) made[kind][name] = use;
     else if (kind) made.time = use;
   }
@@ -55,7 +59,7 @@ async function patch() {
 
 /** The fields of requests that have some. */
 const FIELDS = {
-  begin: async () => ({ patch: await patch(), data: given }), patch, compare: () => ({ experiment: experiment() }), simulate: () => ({ parameters: values }),
+  begin: async () => ({ patch: await patch(), data: { name: given.name, text: given.text } }), patch, compare: () => ({ experiment: experiment() }), simulate: () => ({ parameters: values }),
 };
 
 /** Shows the values of parameters. */
@@ -99,7 +103,8 @@ function knobOf({ name: key, unit, low: min, high: max }, { fit }) {
 /** What each event changes. */
 const TAKE = {
   columns(event) {
-    const { file, rows, experiment: suggestion } = event;
+    const { file, rows } = event;
+    const suggestion = { ...event.experiment, ...shipped() };
     // If only the patch has changed, what the user has selected stays.
     const before = shown === given && patchName === state.patch.file ? experiment() : suggestion;
     const known = knobs.map(({ key }) => key);

@@ -2,16 +2,22 @@
 
 import { cordClass, keysOf, lay } from './cords.js';
 import { fill, hasModifier, shape } from './dom.js';
-import { highlight, isProbing, probed, send } from './state.js';
+import { bind } from './keys.js';
+import { choose as offerProbes } from './probes.js';
+import { highlight, isProbing, send } from './state.js';
 import { ahead, ARROWS, cheapest } from './zoom.js';
 
 /** Distance in pixels within which a jack or plug is taken, by the type of the pointer. */
 const REACH = { mouse: 13, pen: 18, touch: 24 };
 /** Pixels by which a pointer moves before it drags. */
 const STILL = 5;
+/** Milliseconds after which a finger that does not move opens the menu of probes. */
+const LONG = 600;
 
 const endOf = ({ type, element, jack, output }) => (type === 'out' ? { output } : { element, jack });
 const isJack = ({ type }) => type === 'in' || type === 'out';
+/** The output whose voltage is at a place, if it is only one. */
+const outputAt = (one) => one?.output ?? one?.cord?.from ?? (one?.view?.cords.length === 1 && one.view.cords[0]);
 
 /** @param {any} board what board.js has */
 export function mountPatching(board) {
@@ -88,12 +94,22 @@ export function mountPatching(board) {
     if (id === undefined) send('loose-cord', { end: endOf(fixed), at, ...cord && { replaces: cord } });
     else send('move-loose', { id, at });
   }
+  /** Offers the probes for the output at a place, or places the one that waits. Returns whether there is an output. */
+  function offer(one, event) {
+    const output = outputAt(one);
+    if (!output) return false;
+    release();
+    // The menu gets the end of the press.
+    board.zoom.pointers.clear();
+    board.focus(one.key ?? one.jack.key);
+    offerProbes(output, one.node, event);
+    return true;
+  }
   /** A click or Enter: the first one begins a cord, the second one ends it. A full jack gives its cord. */
   function choose(hit) {
     const jack = isJack(hit) ? hit : hit.fixed ? null : hit.jack;
-    if (isProbing()) {
-      if (jack?.type === 'out') probed(jack.output);
-    } else if (hand) {
+    if (isProbing()) offer(hit);
+    else if (hand) {
       if (jack) plugInto(jack);
       else release();
     } else if (!isLocked()) {
@@ -159,7 +175,14 @@ export function mountPatching(board) {
       }
       const { pointerId, clientX, clientY, target } = event;
       canvas.setPointerCapture(pointerId);
-      press = { at: [clientX, clientY], hit: nearest(event), key: keyAt(event), knob: target.closest('[data-knob]')?.dataset.knob };
+      const own = { at: [clientX, clientY], hit: nearest(event), key: keyAt(event), knob: target.closest('[data-knob]')?.dataset.knob };
+      press = own;
+      if (event.pointerType === 'touch')
+        setTimeout(() => { if (press === own && !own.isMoved && !hand && offer(own.hit, event)) press = null; }, LONG);
+    },
+    // The right button, or the key for menus.
+    oncontextmenu(event) {
+      if (offer(event.button < 0 ? stop(event.target.dataset.key) : nearest(event), event)) event.preventDefault();
     },
     onpointermove(event) {
       const { clientX, clientY, pointerType } = event;
@@ -174,7 +197,9 @@ export function mountPatching(board) {
         aim(goal, goal ?? board.zoom.units(event));
       } else if (!press && pointerType === 'mouse') {
         const hit = nearest(event);
-        board.hover((hit?.type === 'plug' ? stop(keysOf(hit.cord).cord) : hit) ?? stop(keyAt(event)) ?? null);
+        // The lowest plug is the jack with all its cords, each one above it is its own cord.
+        const seen = hit?.type !== 'plug' ? hit : hit.x === hit.jack.x ? hit.jack : stop(keysOf(hit.cord).cord);
+        board.hover(seen ?? stop(keyAt(event)) ?? null);
       }
     },
     onpointerup(event) {
@@ -199,5 +224,6 @@ export function mountPatching(board) {
       if (one && !hasModifier(event) && key(event.key, one)) event.preventDefault();
     },
   });
+  bind('M', 'Probes at the jack with the focus', ({ target }) => offer(stop(target.dataset.key)));
   board.release = release;
 }

@@ -18,7 +18,7 @@ export async function read(path, address = path) {
   if (!element) {
     const answer = await fetch(address, { redirect: 'error' }).catch(() => null);
     if (answer?.ok) return answer;
-    throw new Error(`${new URL(address, document.baseURI).pathname} cannot be loaded. Check the address, and that its server runs.`);
+    throw new Error(`There is no file at ${new URL(address, document.baseURI).pathname}. Check the address, and that its server runs.`);
   }
   if (element.dataset.encoding !== 'gzip-base64') return new Response(element.text);
   const bytes = Uint8Array.from(atob(element.text), (char) => char.charCodeAt(0));

@@ -167,7 +167,7 @@ fill(root, {
     const pick = () => choose(focused, node);
     const move = () => go(node ? ahead(cells.get(focused), cells.values(), ARROWS[key]).output.name : focused);
     const act = {
-      '+': () => zoom.by(1.3), '-': () => zoom.by(1 / 1.3), 0: () => zoom.fit(0), Home: () => go(names[0]), End: () => go(names.at(-1)),
+      Home: () => go(names[0]), End: () => go(names.at(-1)),
       ...node && { Enter: pick, ' ': pick, e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
     }[key] ?? (ARROWS[key] && move);
     if (!act || !cells.has(focused)) return;

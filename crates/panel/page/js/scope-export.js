@@ -41,13 +41,6 @@ class Recorder {
     });
   }
 
-  /** The screen fills only to darken what is there. */
-  fillRect() {
-    for (const path of this.groups[0].querySelectorAll('path')) {
-      path.setAttribute('stroke-opacity', (path.getAttribute('stroke-opacity') * (1 - this.globalAlpha)).toFixed(3));
-    }
-  }
-
   fillText(text, x, y) {
     const anchor = { left: 'start', center: 'middle', right: 'end' }[this.textAlign];
     this.add('text', { x, y, fill: this.fillStyle, 'text-anchor': anchor, 'font-size': parseFloat(this.font) }, text);

@@ -17,6 +17,8 @@ const [FADED, FADE] = [0.03, 0.1];
 const LEAST_EXPOSURE = 0.1;
 /** Pixels of a dash of the second channel, and of a dash with its gap. */
 const [DASH, PERIOD] = [10, 14];
+/** Pixels of a path of a curve, which adds up where it is close to itself, and of a trace against time. */
+const [LOOP, LONG] = [200, 2e4];
 
 /** Colours of a scope from the theme. */
 function palette(element) {
@@ -26,9 +28,9 @@ function palette(element) {
   return { grid, ink, bad, traces, glow: 6, font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8 };
 }
 
-/** A beam draws lines on the graticule with a brightness. Lines of one brightness that follow each other are one path. */
-function beamOf(context, { view, colours }, channel, strength) {
-  let [present, x, y, lines] = [-1, NaN, NaN, 0];
+/** A beam draws lines on the graticule with a brightness. Lines of one brightness that follow each other are one path, up to a length. */
+function beamOf(context, { view, colours }, channel, strength, most) {
+  let [present, x, y, way] = [-1, NaN, NaN, 0];
   context.save();
   context.beginPath();
   context.rect(view.x, view.y, view.across + 1, view.up + 1);
@@ -47,15 +49,15 @@ function beamOf(context, { view, colours }, channel, strength) {
   return {
     line(x1, y1, x2, y2, level) {
       // Lines of one path do not add up where they cross, those of two do.
-      if (level !== present || lines > 200) {
+      if (level !== present || way > most) {
         paint();
-        [present, x, lines] = [level, NaN, 0];
+        [present, x, way] = [level, NaN, 0];
         context.beginPath();
       }
       if (x1 !== x || y1 !== y) context.moveTo(x1, y1);
       context.lineTo(x2, y2);
       [x, y] = [x2, y2];
-      lines += 1;
+      way += Math.hypot(x2 - x1, y2 - y1);
     },
     end() {
       paint();
@@ -72,7 +74,7 @@ function drawColumns(context, scene, columns, channel, from, to, strength) {
   const { view, model } = scene;
   const { gain, zero } = scales(view, model.controls)[channel];
   const width = view.across / model.trace.total;
-  const beam = beamOf(context, scene, channel, strength);
+  const beam = beamOf(context, scene, channel, strength, LONG);
   let [way, rise, bright, x, y] = [0, 0, LEVELS - 1, view.x + from * width, NaN];
   for (let at = from; at < to; at += 1) {
     const [low, high] = [columns[2 * at], columns[2 * at + 1]];
@@ -107,22 +109,12 @@ class Pen {
   }
 
   reset() {
-    Object.assign(this, { x: NaN, y: NaN, seconds: 0, time: 0, way: 0, level: 0, exposure: 1 });
+    Object.assign(this, { x: NaN, y: NaN, seconds: 0, time: 0, way: 0, level: 0, exposure: 0 });
   }
 
-  /** A long curve is drawn darker, so that it shows where it is dense. What is already drawn follows. */
-  expose(context, view) {
-    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (5 * this.way) / (view.across * view.up)));
-    if (exposure > 0.7 * this.exposure) return;
-    darken(context, view, 1 - exposure / this.exposure);
-    this.exposure = exposure;
-  }
-
-  draw(context, scene, from, to, strength) {
-    const { view, model: { trace: { points }, controls, lit } } = scene;
+  /** Follows points. Those closer than a pixel are one. */
+  follow({ view, model: { trace: { points }, controls } }, from, to, visit) {
     const [across, up] = scales(view, controls);
-    this.expose(context, view);
-    const beam = beamOf(context, scene, 0, strength * this.exposure);
     for (let at = 3 * from; at < 3 * to; at += 3) {
       const [volts, other, seconds] = [points[at], points[at + 1], points[at + 2]];
       const [x, y] = [across.zero + across.gain * volts, up.zero + up.gain * other];
@@ -130,16 +122,41 @@ class Pen {
       if (seconds < 0 || this.x !== this.x) [this.x, this.y, this.seconds] = [x, y, 0];
       const length = Math.hypot(x - this.x, y - this.y);
       if (length < 0.8) continue;
+      visit(length, x, y, Math.max(Math.abs(volts), Math.abs(other)));
+      [this.x, this.y, this.seconds] = [x, y, 0];
+    }
+  }
+
+  /**
+   * Draws points. A long curve is darker, so that it shows where it is dense. Returns whether all of it must be drawn
+   * again: where lines have added up to full brightness, the darker ones would not fit to them.
+   */
+  draw(context, scene, from, to, strength) {
+    const { view, model: { lit, controls: { persistence } } } = scene;
+    const { x, y, seconds } = this;
+    let ahead = this.way;
+    this.follow(scene, from, to, (length) => { ahead += length; });
+    Object.assign(this, { x, y, seconds });
+    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (5 * ahead) / (view.across * view.up)));
+    if (exposure < 0.7 * this.exposure) {
+      // A curve that fades keeps what has faded.
+      if (!persistence) return true;
+      darken(context, view, 1 - exposure / this.exposure);
+      this.exposure = 0;
+    }
+    this.exposure ||= exposure;
+    const beam = beamOf(context, scene, 0, strength * this.exposure, LOOP);
+    this.follow(scene, from, to, (length, x, y, volts) => {
       this.time += this.seconds;
       this.way += length;
       // The usual pace has medium brightness.
       const level = 4.5 + 1.5 * Math.log2((this.seconds * this.way) / (length * this.time) || 1);
-      if (Math.abs(level - this.level) > 0.7) this.level = Math.round(within(0, level, LEVELS - 1));
-      const isOver = (lit[0] || lit[1]) && Math.max(Math.abs(volts), Math.abs(other)) >= FULL_SCALE;
-      beam.line(this.x, this.y, x, y, isOver ? LEVELS : this.level);
-      [this.x, this.y, this.seconds] = [x, y, 0];
-    }
+      // Steps that are visible would have a border where neighbouring lines reach them.
+      if (Math.abs(level - this.level) > 0.2) this.level = Math.round(4 * within(0, level, LEVELS - 1)) / 4;
+      beam.line(this.x, this.y, x, y, (lit[0] || lit[1]) && volts >= FULL_SCALE ? LEVELS : this.level);
+    });
     beam.end();
+    return false;
   }
 }
 
@@ -176,8 +193,8 @@ export function drawTraces(old, live, scene, pen = new Pen()) {
   const { trace } = scene.model;
   if (trace.plane) {
     pen.draw(old, scene, 0, trace.finished, DIM);
-    // Parts, so that the brightness of a long curve is adapted on the way.
-    for (let at = trace.finished; at < trace.count; at += 2000) pen.draw(live, scene, at, Math.min(at + 2000, trace.count), 1);
+    pen.reset();
+    pen.draw(live, scene, trace.finished, trace.count, 1);
   } else {
     for (const entry of trace.stored) drawStored(old, scene, entry);
     scene.beams = drawLive(live, scene);
@@ -254,7 +271,10 @@ export class Screen {
       pen.reset();
       from = 0;
     } else pen.seconds -= trace.replaced;
-    pen.draw(live, this, trace.finished + Math.max(0, from), trace.count, 1);
+    if (!pen.draw(live, this, trace.finished + Math.max(0, from), trace.count, 1)) return;
+    this.clear(live);
+    pen.reset();
+    pen.draw(live, this, trace.finished, trace.count, 1);
   }
 
   /** Fades finished traces, and curves behind the spot. */
@@ -273,10 +293,15 @@ export class Screen {
     pen.way *= left;
   }
 
-  /** Place of a channel's spot; null if it is not on the screen. */
-  spot(channel) {
-    const { view, pen, beams, model: { trace } } = this;
-    const [x, y] = trace.plane ? [[pen.x, pen.y], []][channel] : beams[channel];
-    return x > view.x && x - view.x < view.across && y > view.y && y - view.y < view.up ? [x, y] : null;
+  /**
+   * Place of a channel's spot; null if it is not on the screen. `back` has the time and the voltages of a machine that was
+   * moved back: its spot is on the trace, which stays.
+   */
+  spot(channel, back) {
+    const { view, pen, beams, model: { trace, controls, span } } = this;
+    const place = back && scales(view, controls).map(({ gain, zero }, index) => zero + gain * back.volts[index]);
+    const ends = trace.plane ? [place || [pen.x, pen.y], []] : beams;
+    const [x, y] = place && !trace.plane ? [view.x + (view.across * (back.time - trace.left)) / span, place[channel]] : ends[channel];
+    return x >= view.x && x - view.x <= view.across && y >= view.y && y - view.y <= view.up ? [x, y] : null;
   }
 }

@@ -115,17 +115,23 @@ export class Trace {
     return (values[at] + values[at + 1]) / 2;
   }
 
-  /** Mean period of a channel in seconds, from its rising passages through the middle; 0 if it has none. */
+  /**
+   * Mean period of a channel in seconds, from its rising passages through the middle. 0 if it has none, or if it does not
+   * oscillate all the time: then a few periods would not show its essential motion.
+   */
   periodOf(channel) {
     const [low, high] = this.extent(channel);
     const columns = this.columns[channel];
-    let [isBelow, first, last, passages] = [false, 0, 0, 0];
+    const at = [0];
+    let isBelow = false;
     for (let column = 0; column < this.reached; column += 1) {
       if (columns[2 * column] < low + 0.35 * (high - low)) isBelow = true;
       if (!isBelow || !(columns[2 * column + 1] > low + 0.65 * (high - low))) continue;
-      if (passages === 0) first = column;
-      [isBelow, last, passages] = [false, column, passages + 1];
+      isBelow = false;
+      at.push(column);
     }
-    return passages > 1 ? ((last - first) / (passages - 1)) * this.columnSeconds : 0;
+    const period = (at.at(-1) - at[1]) / (at.length - 2);
+    at.push(this.reached);
+    return at.every((column, index) => !(column - at[index - 1] > 2.5 * period)) ? period * this.columnSeconds || 0 : 0;
   }
 }

@@ -14,8 +14,6 @@ import { on, outputOf, selectProbe, send, state, voltsOf } from './state.js';
 const [TEXT, READING] = [1000, 100];
 /** Pixels of a wheel for one step. */
 const NOTCH = 60;
-/** Where a spot that is not on the screen is. */
-const OUTSIDE = [-99, -99];
 
 /** Chooses scales so that the traces, or the present voltages without traces, fill the screen. */
 function autoSet(controls, { outputs, trace }, step) {
@@ -125,9 +123,12 @@ function mountScope(index) {
     if (!controls || screen.view.width < 20) return;
     if (screen.isStale || (hasCursors.checked && isReadingDue(now))) read();
     screen.draw();
+    const back = Number.isFinite(state.machine?.latest)
+      && { time: state.frame?.time, volts: model.outputs.map((output) => voltsOf(output?.name)) };
     spots.forEach((spot, channel) => {
-      const [x, y] = (isMoving && screen.spot(channel)) || OUTSIDE;
-      spot.style.translate = `${x}px ${y}px`;
+      const at = (isMoving || back) && screen.spot(channel, back);
+      spot.hidden = !at;
+      if (at) spot.style.translate = `${at[0]}px ${at[1]}px`;
     });
     if (isTextDue(now)) describe();
   }

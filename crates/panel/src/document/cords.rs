@@ -2,7 +2,6 @@
 
 use std::collections::{HashMap, HashSet};
 
-use patchcord_core::document::suggestion;
 use patchcord_core::patch::Patch;
 
 use super::history::StepKind;
@@ -239,8 +238,7 @@ fn check_output(patch: &Patch, name: &str) -> Result<(), Refusal> {
     if names.contains(&wiring::panel_name(patch, name).as_str()) {
         return Ok(());
     }
-    let hint = suggestion(name, &names).unwrap_or_default();
-    Err(Refusal::new(format!("there is no output {name}: {hint}")))
+    Err(Refusal::unknown(format!("there is no output {name}"), name, &names))
 }
 
 /// Checks that a cord fits into a jack, after another one is pulled.
@@ -249,8 +247,8 @@ fn check_output(patch: &Patch, name: &str) -> Result<(), Refusal> {
 fn check_jack(patch: &Patch, cord: CordEnds<'_>, pulled: Option<CordEnds<'_>>) -> Result<(), Refusal> {
     let CordEnds { element, jack, .. } = cord;
     if !wiring::is_in_section(patch, element) {
-        let hint = suggestion(element, &wiring::section_names(patch)).unwrap_or_default();
-        return Err(Refusal::new(format!("there is no element {element} with inputs: {hint}")));
+        let message = format!("there is no element {element} with inputs");
+        return Err(Refusal::unknown(message, element, &wiring::section_names(patch)));
     }
     let Some(capacity) = jack_capacity(patch, element, jack) else {
         let message = format!("{element} has no jack {jack}: choose one of its jacks");

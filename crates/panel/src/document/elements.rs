@@ -1,7 +1,7 @@
 //! Adds and removes elements and drives.
 
 use patchcord_core::circuit::part_count;
-use patchcord_core::document::{Span, suggestion};
+use patchcord_core::document::Span;
 use patchcord_core::elements::{self, Family, Kind, REGISTRY};
 use patchcord_core::machines::Part;
 use patchcord_core::patch::{Patch, PatchEditor, check_output_name};
@@ -20,7 +20,7 @@ pub(super) fn add(document: &Document, kind: &str, name: Option<&str>) -> Result
         [Family::Computing, Family::Drive].into_iter().find_map(|family| elements::find(family, kind));
     let kind = found.ok_or_else(|| {
         let known: Vec<_> = REGISTRY.iter().map(|kind| kind.name).collect();
-        Refusal::new(format!("there is no kind {kind}: {}", suggestion(kind, &known).unwrap_or_default()))
+        Refusal::unknown(format!("there is no kind {kind}"), kind, &known)
     })?;
     check_parts(patch, kind)?;
     let name = match name {
@@ -42,10 +42,8 @@ pub(super) fn add(document: &Document, kind: &str, name: Option<&str>) -> Result
 pub(super) fn remove(document: &Document, name: &str) -> Result<Edited, Refusal> {
     let patch = document.patch();
     if !["elements", "drives"].into_iter().any(|section| is_written(patch, section, name)) {
-        let mut known = wiring::section_names(patch);
-        known.extend(patch.drives.keys().map(String::as_str));
-        let hint = suggestion(name, &known).unwrap_or_default();
-        return Err(Refusal::new(format!("there is no element {name} to remove: {hint}")));
+        let message = format!("there is no element {name} to remove");
+        return Err(Refusal::unknown(message, name, &wiring::entry_names(patch)));
     }
     let mut editor = patch.edit();
     editor.remove_element(name)?;

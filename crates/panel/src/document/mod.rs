@@ -17,6 +17,7 @@ mod snapshot;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use patchcord_core::document::suggestion;
 use patchcord_core::machines;
 use patchcord_core::patch::{EditError, Patch, PatchEditor, TableAccess};
 use serde::{Deserialize, Serialize};
@@ -91,6 +92,14 @@ impl Refusal {
     /// A refusal that is not about a place.
     pub(crate) fn new(message: impl Into<String>) -> Refusal {
         Refusal { message: message.into(), place: None }
+    }
+
+    /// A refusal of a name that is not among the known ones, with the nearest of them or a list.
+    fn unknown(message: String, name: &str, known: &[&str]) -> Refusal {
+        match suggestion(name, known) {
+            Some(hint) => Refusal::new(format!("{message}: {hint}")),
+            None => Refusal::new(message),
+        }
     }
 
     /// The same refusal at a place.

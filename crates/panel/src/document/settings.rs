@@ -137,10 +137,7 @@ fn owner<'p>(patch: &'p Patch, name: &str) -> Result<Owner<'p>, Refusal> {
             return Ok(owner);
         }
     }
-    let mut known = wiring::section_names(patch);
-    known.extend(patch.drives.keys().map(String::as_str));
-    let hint = suggestion(name, &known).unwrap_or_default();
-    Err(Refusal::new(format!("there is no element {name}: {hint}")))
+    Err(Refusal::unknown(format!("there is no element {name}"), name, &wiring::entry_names(patch)))
 }
 
 /// The value for the document. The error is the predicate of a message.

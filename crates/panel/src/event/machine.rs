@@ -23,8 +23,11 @@ pub struct MachineState {
     pub overloads: Vec<OverloadView>,
     /// Why the machine stopped; absent if it did not.
     pub stopped: Option<String>,
-    /// The earliest time to which the machine can be moved back, in problem seconds.
-    pub oldest: f64,
+    /// The earliest time to which the machine can be moved back, in problem seconds; absent if it cannot.
+    pub oldest: Option<f64>,
+    /// The end of the run in problem seconds, if the machine was moved back and can be moved forward again; absent
+    /// otherwise.
+    pub latest: Option<f64>,
     /// Name of the output at the voltmeter; absent if it is disconnected.
     pub meter: Option<String>,
     /// The null meter.

@@ -28,8 +28,6 @@ pub const SCOPES: usize = 2;
 pub const CHANNELS: usize = 2;
 /// Divisions of the screen from left to right.
 pub const DIVISIONS_ACROSS: f64 = 10.0;
-/// Divisions of the screen from top to bottom.
-pub const DIVISIONS_UP: f64 = 8.0;
 /// Columns of the screen from left to right.
 pub const COLUMNS: usize = 1000;
 
@@ -140,6 +138,8 @@ pub struct Scope {
     last: Option<Sample>,
     /// The time up to which the memory has the run; absent before the first run.
     end: Option<f64>,
+    /// The time to which the machine was moved back, until the run continues from there.
+    moved_to: Option<f64>,
     /// The memory of the run.
     memory: Envelope,
     /// The traces against time.
@@ -175,6 +175,7 @@ impl Scope {
             is_at_start: true,
             last: None,
             end: None,
+            moved_to: None,
             memory: Envelope::new(BUCKETS, 0.0, sweep / BUCKETS as f64),
             traces,
             curve: Curve::new(TOLERANCE),
@@ -215,6 +216,7 @@ impl Scope {
         let timing = Timing { trigger, screen: self.screen() };
         if timing.screen != screen_before || (has_other_trigger && is_run) {
             self.traces.redraw(&self.memory, self.end, timing);
+            self.show_screen();
         }
         if has_other_trigger && !is_run {
             self.traces.wait();
@@ -241,13 +243,30 @@ impl Scope {
     }
 
     /// The machine is at its initial condition, and time begins at 0. `sweep` is the length of a sweep in problem
-    /// seconds. The traces of the run before remain until time moves.
+    /// seconds; if it is too short for buckets, or infinite, that of the run before stays. The traces of the run before
+    /// remain until time moves.
     pub fn begin_run(&mut self, sweep: f64) {
-        if sweep.is_finite() && sweep > 0.0 {
+        // Buckets of a length of 0 would be doubled without end.
+        if sweep > 0.0 && (sweep / BUCKETS as f64).is_normal() {
             self.sweep = sweep;
         }
         self.is_at_start = true;
-        self.last = None;
+        (self.last, self.moved_to) = (None, None);
+    }
+
+    /// Shows the screen that has this time of the present run, to which the machine was moved. What the run did later stays
+    /// on the screen and in the memory, until a [`point`](Self::point) continues the run from here.
+    pub fn show(&mut self, time: f64) {
+        self.moved_to = Some(time);
+        self.show_screen();
+    }
+
+    /// Shows the screen with the time to which the machine was moved, if it was.
+    fn show_screen(&mut self) {
+        let timing = Timing { trigger: &self.controls.trigger, screen: self.screen() };
+        if let (Some(time), Some(end), false) = (self.moved_to, self.end, self.is_at_start) {
+            self.traces.show(&self.memory, time, end, timing);
+        }
     }
 
     /// Adds a point of the present run. Voltages of free channels are NaN. A point with the time of the one before is a
@@ -257,6 +276,7 @@ impl Scope {
             return;
         }
         let to = Sample { time, volts };
+        self.moved_to = None;
         match self.last.replace(to) {
             Some(from) if time > from.time => self.add_line(&from, &to),
             Some(_) if self.is_at_start => {}

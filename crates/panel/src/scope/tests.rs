@@ -1,3 +1,5 @@
+mod moved_back;
+
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
@@ -246,20 +248,6 @@ fn another_probe_begins_empty() {
 }
 
 #[test]
-fn an_earlier_time_replaces_what_was_after_it() {
-    let mut scope = scope(|_| {});
-    scope.begin_run(1.0);
-    run(&mut scope, 0.0, 0.8, 800, |time| 30.0 * time);
-    let before = time_picture(&mut scope);
-    run(&mut scope, 0.4, 0.6, 200, |_| 12.0);
-    let after = time_picture(&mut scope);
-    assert_eq!((after.generation, after.reached), (before.generation, 601));
-    assert_ramp(&after, 400, 30.0, 0.0);
-    let channel = after.channels[0].as_ref().unwrap();
-    assert!(channel[402..].iter().all(|extremes| *extremes == [12.0, 12.0]));
-}
-
-#[test]
 fn erase_continues_a_run_from_the_beam() {
     let mut scope = scope(|_| {});
     scope.begin_run(1.0);
@@ -364,6 +352,18 @@ fn a_curve_needs_both_channels() {
     run(&mut scope, 0.0, 1.0, 10, |time| 30.0 * time);
     let picture = plane_picture(&mut scope);
     assert_eq!((picture.first, picture.points.len()), (0, 0));
+}
+
+#[test]
+fn a_sweep_that_is_too_short_for_buckets_is_not_used() {
+    for sweep in [0.0, -1.0, 5e-324, 1e-320, f64::INFINITY, f64::NAN] {
+        let mut scope = scope(|_| {});
+        scope.begin_run(2.0);
+        scope.begin_run(sweep);
+        run(&mut scope, 0.0, 1.0, 10, |time| 30.0 * time);
+        let picture = time_picture(&mut scope);
+        assert_eq!((picture.column_seconds, picture.reached), (0.002, 501), "{sweep}");
+    }
 }
 
 proptest! {

@@ -231,7 +231,21 @@ impl Traces {
         self.is_in_run = true;
     }
 
-    /// Removes what is after a time, because the machine was moved back to it.
+    /// Shows the screen with a time of a run that ends at the time `end`. Only with the run as trigger are the screens one
+    /// after the other.
+    pub(super) fn show(&mut self, memory: &Envelope, time: f64, end: f64, timing: Timing) {
+        let columns = &self.current.columns;
+        let is_shown = time >= columns.left() && !columns.is_past(time);
+        if is_shown || !self.is_in_run || timing.trigger.mode != TriggerMode::Run {
+            return;
+        }
+        let right = timing.screen_edge(0.0, time) + timing.screen;
+        self.redraw(memory, Some(end.min(right)), timing);
+        // The screen before would be visible for one frame only.
+        self.has_finished = false;
+    }
+
+    /// Removes what is after a time, because the run continues from there.
     pub(super) fn cut(&mut self, memory: &Envelope, time: f64, timing: Timing) {
         if !self.is_in_run {
             return;

@@ -2,7 +2,7 @@
 
 use super::checks::{check_divider, check_rate, check_speed, check_sweep, within};
 use super::current_patch::{self, follow, recompile_if_turned};
-use super::{Session, Shown, events, saved, table_access};
+use super::{Session, Shown, events, files, saved, table_access};
 use crate::command::{Command, Mode};
 use crate::compiled::advise;
 use crate::document::{Document, Refusal};
@@ -22,6 +22,7 @@ pub(super) fn carry_out(
     match command {
         Command::Hello => list.extend(events::hello(session)),
         Command::Open { name, text } => open(session, name, text, list)?,
+        Command::OpenFile { name } => open_file(session, name, list)?,
         Command::New { machine } => begin(session, machine.as_deref(), list),
         Command::Text => list.push(events::text(session)),
         Command::Snapshot => list.push(Event::Snapshot { snapshot: saved::snapshot(session) }),
@@ -54,6 +55,16 @@ pub(super) fn carry_out(
 /// As for [`Document::open`].
 fn open(session: &mut Session, name: &str, text: &str, list: &mut Vec<Event>) -> Result<(), Refusal> {
     let document = Document::open(name, text, &table_access(&session.options))?;
+    current_patch::open(session, document, list);
+    Ok(())
+}
+
+/// Opens the patch in a file below the folder of the host.
+///
+/// # Errors
+/// As for [`files::read`].
+fn open_file(session: &mut Session, name: &str, list: &mut Vec<Event>) -> Result<(), Refusal> {
+    let document = files::read(&session.options, name)?;
     current_patch::open(session, document, list);
     Ok(())
 }
@@ -108,15 +119,14 @@ fn set_sweep(session: &mut Session, seconds: Option<f64>, list: &mut Vec<Event>)
     Ok(())
 }
 
-/// Moves the machine back to an earlier time.
+/// Moves the machine to another time of its run. The client has to know its state, also if only the time is another one.
 ///
 /// # Errors
-/// If the time is not within its run.
+/// If the time is not within its run, or the patch has faults.
 fn scrub(session: &mut Session, time: f64, must_stop: &mut dyn FnMut() -> bool) -> Result<(), Refusal> {
-    within("the time", Some(time), 0.0, f64::MAX)?;
-    let parameters = session.document.patch().parameters.iter();
-    let parameters = parameters.map(|(name, parameter)| (name.clone(), parameter.value)).collect();
-    session.bench.scrub(time, parameters, &mut session.scopes, must_stop).map_err(Refusal::new)
+    session.bench.scrub(time, &mut session.scopes, must_stop).map_err(Refusal::new)?;
+    session.known = None;
+    Ok(())
 }
 
 /// Advances the clock.
@@ -129,8 +139,8 @@ fn advance(
     must_stop: &mut dyn FnMut() -> bool,
     list: &mut Vec<Event>,
 ) -> Result<(), Refusal> {
-    within("the time to advance", Some(seconds), 0.0, 1.0)?;
-    current_patch::finish_turning(session, list);
+    within("the time to advance", Some(seconds), [0.0, 1.0])?;
+    current_patch::finish_turning(session, seconds, list);
     session.bench.advance(seconds, &mut session.scopes, must_stop);
     Ok(())
 }
@@ -202,7 +212,7 @@ fn show(session: &mut Session, shows: Shown, list: &mut Vec<Event>) {
         list.push(events::schematic(session));
     }
     if shows.equations && !before.equations {
-        list.extend(events::equations(session));
+        list.push(events::equations(session));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::bench::{Controls, Probes};
 use super::checks::check_sweep;
-use super::{Session, Turning, events};
+use super::{Session, events};
 use crate::command::Command;
 use crate::compiled;
 use crate::document::{Change, Document, Refusal};
@@ -10,6 +10,10 @@ use crate::event::{Event, NullMeter};
 use crate::scope::Scope;
 use crate::view;
 use crate::wiring;
+
+/// Seconds without a change of a parameter after which the views are made again. Until then they would delay the pictures
+/// between two movements of a knob.
+const TURNING_PAUSE: f64 = 0.25;
 
 /// Replaces the patch and its history.
 pub(super) fn open(session: &mut Session, document: Document, list: &mut Vec<Event>) {
@@ -78,22 +82,21 @@ pub(super) fn follow(session: &mut Session, change: Change, list: &mut Vec<Event
 
 /// Notes that the machine has another value of a parameter.
 fn note_turned(session: &mut Session, name: String, value: f64, list: &mut Vec<Event>) {
-    session.turning = Turning::Now;
+    session.turned = Some(0.0);
     list.push(Event::Parameter { name, value });
 }
 
-/// Compiles the patch again after parameters were turned, for the views. The machine has the values already.
-pub(super) fn finish_turning(session: &mut Session, list: &mut Vec<Event>) {
-    match session.turning {
-        Turning::No => {}
-        Turning::Now => session.turning = Turning::Done,
-        Turning::Done => recompile_if_turned(session, list),
+/// Compiles the patch again for the views when no parameter was turned for a while. The machine has the values already.
+pub(super) fn finish_turning(session: &mut Session, seconds: f64, list: &mut Vec<Event>) {
+    session.turned = session.turned.map(|turned| turned + seconds);
+    if session.turned.is_some_and(|turned| turned >= TURNING_PAUSE) {
+        recompile_if_turned(session, list);
     }
 }
 
 /// Compiles the patch again if parameters were turned since then.
 pub(super) fn recompile_if_turned(session: &mut Session, list: &mut Vec<Event>) {
-    if session.turning != Turning::No {
+    if session.turned.is_some() {
         compile(session);
         list.extend(events::patch_and_views(session));
     }
@@ -114,7 +117,7 @@ fn compile(session: &mut Session) {
     let patch = session.document.patch();
     (session.report, session.compiled) = compiled::compile(patch);
     session.probes = Probes(wiring::outputs(patch));
-    session.turning = Turning::No;
+    session.turned = None;
 }
 
 /// Makes a machine for the compiled patch and the length of a sweep. Without `resets` it continues with the states of the

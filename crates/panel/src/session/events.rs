@@ -4,9 +4,9 @@ use patchcord_core::solve::{RunSettings, run};
 use patchcord_draw::schematic::Schematic;
 
 use super::Session;
-use crate::compiled::{Compiled, compile};
+use crate::compiled::compile;
 use crate::document::Refusal;
-use crate::event::Event;
+use crate::event::{EquationsView, Event};
 use crate::limits::{self, MAX_TABLE_BYTES};
 use crate::places;
 use crate::view;
@@ -23,9 +23,8 @@ pub(super) fn hello(session: &mut Session) -> Vec<Event> {
 
 /// The event about the patch.
 pub(super) fn patch(session: &Session) -> Event {
-    let compiled = session.compiled.as_ref();
-    let (circuit, program) = compiled.map(|Compiled { circuit, program }| (circuit, &**program)).unzip();
-    Event::Patch(Box::new(view::patch_view(&session.document, circuit, program)))
+    let runs = session.compiled.is_some();
+    Event::Patch(Box::new(view::patch_view(&session.document, &session.report, runs)))
 }
 
 /// The events about the patch, its faults, and the views that the page shows.
@@ -35,7 +34,7 @@ pub(super) fn patch_and_views(session: &Session) -> Vec<Event> {
         events.push(schematic(session));
     }
     if session.shows.equations {
-        events.extend(equations(session));
+        events.push(equations(session));
     }
     events
 }
@@ -59,10 +58,14 @@ pub(super) fn schematic(session: &Session) -> Event {
     }
 }
 
-/// The event with the equations. `None` if the patch does not compile.
-pub(super) fn equations(session: &Session) -> Option<Event> {
-    let compiled = session.compiled.as_ref()?;
-    Some(Event::Equations(view::equations(&compiled.circuit, &compiled.program)))
+/// The event with the equations.
+pub(super) fn equations(session: &Session) -> Event {
+    let compiled = session.compiled.as_ref();
+    let view = compiled.map(|compiled| view::equations(&compiled.circuit, &compiled.program));
+    Event::Equations(view.unwrap_or_else(|| EquationsView {
+        message: Some("the equations are listed again when the patch has no faults".to_owned()),
+        ..EquationsView::default()
+    }))
 }
 
 /// The event with the controls of the scopes.
@@ -96,9 +99,9 @@ pub(super) fn table(session: &Session) -> Result<Event, Refusal> {
     // The command makes these checks. They evaluate further instants, and the last digits of a loop's solution
     // depend on the solution before it.
     (settings.checks_steps, settings.finds_amplifier_peaks) = (true, true);
-    limits::check_run(&settings, compiled.circuit.elements().len()).map_err(Refusal::new)?;
-    let trace =
-        run(&compiled.program, &settings).map_err(|stopped| Refusal::new(stopped.error.to_string()))?;
+    limits::limit_run(&mut settings, compiled.circuit.elements().len()).map_err(Refusal::new)?;
+    let trace = run(&compiled.program, &settings)
+        .map_err(|stopped| Refusal::new(limits::run_message(&stopped.error)))?;
     let mut csv = Vec::new();
     trace.write_csv(&mut csv).map_err(|error| Refusal::new(error.to_string()))?;
     if csv.len() > MAX_TABLE_BYTES {

@@ -2,13 +2,14 @@
 //!
 //! `requests` reads requests and writes answers, `carry_out` carries out their commands, and `checks` checks numbers.
 //! `current_patch` lets the machine follow the patch, `bench` is the machine with its clock, and `reading` reads it.
-//! `events` makes the events, and `saved` the snapshots.
+//! `events` makes the events, `saved` the snapshots, and `files` opens files.
 
 mod bench;
 mod carry_out;
 mod checks;
 mod current_patch;
 mod events;
+mod files;
 mod live_machine;
 mod reading;
 mod requests;
@@ -30,8 +31,8 @@ use crate::scope::{SCOPES, Scope};
 /// The settings of a session that a host chooses.
 #[derive(Debug, Clone, Default)]
 pub struct SessionOptions {
-    /// The folder below which tables of patches are read, and to which their paths are relative. Without it, no files are
-    /// read.
+    /// The folder below which patches and their tables are read, and to which their paths are relative. Without it, no
+    /// files are read.
     pub folder: Option<PathBuf>,
 }
 
@@ -68,8 +69,8 @@ pub struct Session {
     compiled: Option<Compiled>,
     /// The outputs, in the order of the voltages of a frame.
     probes: Probes,
-    /// What happened to parameters since the patch was compiled.
-    turning: Turning,
+    /// Seconds since a parameter was set last; `None` if the patch was compiled since then.
+    turned: Option<f64>,
     /// The machine.
     bench: Bench,
     /// The scopes.
@@ -82,17 +83,6 @@ pub struct Session {
     shows: Shown,
     /// The state of the machine that the client knows; `None` if the next answer has to contain it.
     known: Option<MachineState>,
-}
-
-/// What happened to the parameters since the patch was compiled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Turning {
-    /// Nothing.
-    No,
-    /// A parameter was set since the clock advanced last.
-    Now,
-    /// A parameter was set, but not since then. The patch has to be compiled again.
-    Done,
 }
 
 /// The views that the page shows.
@@ -115,7 +105,7 @@ impl Session {
             report,
             compiled: None,
             probes: Probes::default(),
-            turning: Turning::No,
+            turned: None,
             bench: Bench::new(),
             scopes: (0..SCOPES).map(|_| Scope::new()).collect(),
             meter: None,

@@ -26,17 +26,18 @@ pub(super) fn machine_state(session: &mut Session, overloads: Vec<Overload>) -> 
         time: overload.time,
         caused_by: overload.caused_by,
     };
-    let (time, oldest, sweep) = (bench.clock(), bench.oldest(), bench.sweep());
+    let (time, oldest, latest) = (bench.clock(), bench.oldest(), bench.latest());
     MachineState {
         mode: bench.controls.mode,
         time,
         speed: bench.controls.speed,
         paused: bench.controls.paused,
-        sweep,
+        sweep: bench.sweep(),
         rate: bench.controls.rate,
         overloads: overloads.into_iter().map(view).collect(),
         stopped: bench.stopped.clone(),
         oldest,
+        latest,
         meter: connected(meter.as_deref(), probes),
         null_meter: NullMeter { output: connected(null_meter.output.as_deref(), probes), ..*null_meter },
     }

@@ -1,6 +1,5 @@
 //! Writes answers.
 
-use std::collections::HashSet;
 use std::mem::{Discriminant, discriminant};
 
 use super::Answer;
@@ -10,7 +9,7 @@ use crate::event::{Event, MachineState, Response};
 /// large event once. Refusals and parameters do not replace each other.
 pub(super) fn drop_replaced(events: &mut Vec<Event>, known: usize) {
     let is_replaceable = |event: &&Event| !matches!(event, Event::Refused { .. } | Event::Parameter { .. });
-    let newer: HashSet<Discriminant<Event>> =
+    let newer: Vec<Discriminant<Event>> =
         events[known..].iter().filter(is_replaceable).map(discriminant).collect();
     let mut index = 0;
     events.retain(|event| {
@@ -21,8 +20,7 @@ pub(super) fn drop_replaced(events: &mut Vec<Event>, known: usize) {
 
 /// Whether a client has to know a new state of the machine. Time advances in frames.
 pub(super) fn differs(known: &MachineState, state: &MachineState) -> bool {
-    let MachineState { time, oldest, .. } = known;
-    *known != MachineState { time: *time, oldest: *oldest, ..state.clone() }
+    *known != MachineState { time: known.time, ..state.clone() }
 }
 
 /// The answer to a request.

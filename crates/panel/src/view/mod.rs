@@ -9,9 +9,9 @@ mod static_check;
 
 use std::collections::HashMap;
 
-use patchcord_core::circuit::{Circuit, part_count};
+use patchcord_core::circuit::{Circuit, Quantities, part_count};
+use patchcord_core::document::Report;
 use patchcord_core::elements::{Family, Kind, OutputStage, REGISTRY};
-use patchcord_core::ir::Program;
 use patchcord_core::machines::{self, DEFAULT_MACHINE, MachineModel, Part};
 use patchcord_core::patch::{ElementEntry, Instance, Patch};
 use patchcord_draw::schematic::{SettingValue, settings_of_element};
@@ -62,15 +62,14 @@ fn machine_view(machine: &MachineModel) -> MachineView {
     }
 }
 
-/// The patch as the page shows it.
-///
-/// `circuit` and `program` are those of the patch with the present values of its parameters and with open inputs
-/// grounded. They are `None` if it does not compile. Without a circuit, formulas have no values.
-pub fn patch_view(document: &Document, circuit: Option<&Circuit>, program: Option<&Program>) -> PatchView {
+/// The patch as the page shows it. The report is about the patch, and `runs` is whether the machine can run it. With
+/// faults, only the settings that depend on one have no value.
+pub fn patch_view(document: &Document, report: &Report, runs: bool) -> PatchView {
     let patch = document.patch();
     let machine = patch.machine.as_ref().map_or(DEFAULT_MACHINE.name, |machine| &machine.value);
     let loose = document.loose().iter();
     let run = &patch.run;
+    let quantities = Quantities::of(patch);
     PatchView {
         revision: document.revision(),
         file: patch.file().to_owned(),
@@ -82,14 +81,14 @@ pub fn patch_view(document: &Document, circuit: Option<&Circuit>, program: Optio
         duration: run.longest_repetition(),
         step: run.step.as_ref().map(|step| step.value),
         parameters: parameters(patch),
-        elements: elements(patch, circuit),
-        outputs: quantities::outputs(patch, circuit),
-        signals: quantities::signals(patch, circuit),
+        elements: elements(&SettingViewer::new(patch, &quantities, report)),
+        outputs: quantities::outputs(patch, &quantities),
+        signals: quantities::signals(patch, &quantities),
         loose: loose.map(|cord| LooseView { id: cord.id, end: cord.end.clone(), at: cord.at }).collect(),
         parts: parts(patch),
         undo: document.undo_label().map(str::to_owned),
         redo: document.redo_label().map(str::to_owned),
-        runs: program.is_some(),
+        runs,
     }
 }
 
@@ -119,12 +118,12 @@ fn parts(patch: &Patch) -> Vec<PartView> {
 }
 
 /// Drives, elements and instances, in the order of the document.
-fn elements(patch: &Patch, circuit: Option<&Circuit>) -> Vec<ElementView> {
-    let viewer = SettingViewer::new(patch, circuit);
-    let drives = patch.drives.iter().map(|(name, entry)| element_view(&viewer, name, entry));
+fn elements(viewer: &SettingViewer<'_>) -> Vec<ElementView> {
+    let patch = viewer.patch;
+    let drives = patch.drives.iter().map(|(name, entry)| element_view(viewer, name, entry));
     let section = wiring::section_names(patch).into_iter().filter_map(|name| {
-        let instance = patch.instances.get(name).map(|instance| instance_view(&viewer, name, instance));
-        instance.or_else(|| Some(element_view(&viewer, name, patch.elements.get(name)?)))
+        let instance = patch.instances.get(name).map(|instance| instance_view(viewer, name, instance));
+        instance.or_else(|| Some(element_view(viewer, name, patch.elements.get(name)?)))
     });
     drives.chain(section).collect()
 }

@@ -2,7 +2,7 @@
 
 use patchcord_core::patch::{Patch, PictureSpec};
 
-use crate::scope::{Channel, Display, SCOPES, Scope, ScopeControls};
+use crate::scope::{CHANNELS, Channel, Display, SCOPES, Scope, ScopeControls};
 use crate::wiring;
 
 /// The name of time along the horizontal axis of a picture.
@@ -19,6 +19,9 @@ pub fn usual_scopes(patch: &Patch) -> [ScopeControls; SCOPES] {
     for output in signals.into_iter().filter_map(|name| output_of(patch, name)) {
         if !outputs.contains(&output) {
             outputs.push(output);
+        }
+        if outputs.len() == SCOPES * CHANNELS {
+            break;
         }
     }
     let curve = patch.pictures.iter().find(|picture| picture.x.value != TIME);

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
-use patchcord_core::circuit::Circuit;
+use patchcord_core::circuit::Quantities;
 use patchcord_core::document::Placed;
 use patchcord_core::patch::Patch;
+use patchcord_expr::Scope as _;
 
 use crate::event::{OutputView, SignalView};
 use crate::wiring;
@@ -18,7 +19,7 @@ struct Quantity {
 }
 
 /// All outputs, in the order of the voltages of a frame.
-pub(super) fn outputs(patch: &Patch, circuit: Option<&Circuit>) -> Vec<OutputView> {
+pub(super) fn outputs(patch: &Patch, quantities: &Quantities) -> Vec<OutputView> {
     // If several signals are read at an output, the first one counts.
     let mut signals = HashMap::new();
     for (name, signal) in &patch.signals {
@@ -27,11 +28,11 @@ pub(super) fn outputs(patch: &Patch, circuit: Option<&Circuit>) -> Vec<OutputVie
     let view = |output: wiring::Output| {
         let quantity = match signals.get(output.element.as_str()) {
             Some((name, signal)) => {
-                let found = quantity(patch, circuit, signal.scale.as_ref(), signal.factor);
+                let found = quantity(patch, quantities, signal.scale.as_ref(), signal.factor);
                 found.map(|found| ((*name).clone(), found))
             }
             None => patch.drives.get(&output.element).and_then(|drive| {
-                let found = quantity(patch, circuit, drive.scale.as_ref(), 1.0)?;
+                let found = quantity(patch, quantities, drive.scale.as_ref(), 1.0)?;
                 Some((output.element.clone(), found))
             }),
         };
@@ -45,14 +46,14 @@ pub(super) fn outputs(patch: &Patch, circuit: Option<&Circuit>) -> Vec<OutputVie
 }
 
 /// The signals, each at an output by its name at the panel. A signal whose scale has no value is shown in volts.
-pub(super) fn signals(patch: &Patch, circuit: Option<&Circuit>) -> Vec<SignalView> {
+pub(super) fn signals(patch: &Patch, quantities: &Quantities) -> Vec<SignalView> {
     let outputs = wiring::outputs(patch);
     let at = |element: &str| {
         let output = outputs.iter().find(|output| output.element == element);
         output.map_or(element, |output| &output.name).to_owned()
     };
     let views = patch.signals.iter().map(|(name, signal)| {
-        let found = quantity(patch, circuit, signal.scale.as_ref(), signal.factor);
+        let found = quantity(patch, quantities, signal.scale.as_ref(), signal.factor);
         let Quantity { unit, per_volt } = found.unwrap_or_else(volts);
         SignalView { name: name.clone(), at: at(&signal.element.value), unit, per_volt }
     });
@@ -67,14 +68,12 @@ fn volts() -> Quantity {
 /// The quantity of a scale with a factor. `None` if the scale does not exist or has no value.
 fn quantity(
     patch: &Patch,
-    circuit: Option<&Circuit>,
+    quantities: &Quantities,
     scale: Option<&Placed<String>>,
     factor: f64,
 ) -> Option<Quantity> {
     let Some(name) = scale else { return Some(Quantity { per_volt: factor, ..volts() }) };
     let scale = patch.scales.get(&name.value)?;
-    let evaluated = circuit.and_then(|circuit| circuit.per_volt(circuit.derived_index(&name.value)?));
-    let written = || scale.per_volt.as_ref()?.value.text().trim().parse().ok();
-    let per_volt = evaluated.or_else(written)?;
+    let per_volt = scale.unit.out_of_si(quantities.value(&name.value)?);
     Some(Quantity { unit: scale.unit.text().to_owned(), per_volt: per_volt * factor })
 }

@@ -1,50 +1,50 @@
 //! The settings of elements, drives and instances, with their values and the parameters behind them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
-use patchcord_core::circuit::{Circuit, Element};
-use patchcord_core::document::Placed;
+use patchcord_core::circuit::Quantities;
+use patchcord_core::document::{Code, Placed, Report, Span};
 use patchcord_core::elements::{Family, Setting, SettingDefault, SettingQuantity};
 use patchcord_core::patch::{Amount, ElementEntry, Instance, InstanceSetting, Patch};
-use patchcord_draw::schematic::{SettingValue, SymbolSetting, settings_of_element, settings_of_instance};
-use patchcord_expr::Formula;
+use patchcord_draw::schematic::setting_number;
+use patchcord_expr::{Formula, Scope as _};
 use serde_json::Value;
 
 use crate::event::SettingView;
 
-/// Shows the settings of a patch.
+/// Shows the settings of a patch, which may have faults.
 pub(super) struct SettingViewer<'p> {
     /// The patch.
     pub patch: &'p Patch,
-    /// The circuit with its elements by name; `None` if the patch does not compile.
-    circuit: Option<(&'p Circuit, HashMap<&'p str, &'p Element>)>,
+    /// Its parameters and scales with their values.
+    quantities: &'p Quantities,
+    /// Where the text has formulas in a wrong unit. The number of such a formula has no meaning.
+    mismatches: Vec<Span>,
 }
 
 impl<'p> SettingViewer<'p> {
-    /// A viewer of a patch. The circuit gives the values of formulas.
-    pub(super) fn new(patch: &'p Patch, circuit: Option<&'p Circuit>) -> Self {
-        let elements = |circuit: &'p Circuit| {
-            circuit.elements().into_iter().map(|element| (element.name.as_str(), element)).collect()
-        };
-        SettingViewer { patch, circuit: circuit.map(|circuit| (circuit, elements(circuit))) }
+    /// A viewer of a patch with its quantities and the report about it.
+    pub(super) fn new(patch: &'p Patch, quantities: &'p Quantities, report: &Report) -> Self {
+        let mismatches = report.findings.iter().filter(|finding| finding.code == Code::UNIT_MISMATCH);
+        SettingViewer {
+            patch,
+            quantities,
+            mismatches: mismatches.filter_map(|finding| finding.span).collect(),
+        }
     }
 
     /// The settings of an element or a drive.
     pub(super) fn of_element(&self, name: &str, entry: &ElementEntry) -> Vec<SettingView> {
-        let evaluated = self.circuit.as_ref().and_then(|(circuit, elements)| {
-            elements.get(name).map(|element| settings_of_element(circuit, element))
-        });
-        let evaluated = evaluated.unwrap_or_default();
         let section = if entry.kind.family == Family::Drive { "drives" } else { "elements" };
         let view = |(row, given): (&Setting, &Option<Placed<Amount>>)| {
-            let amount = given.as_ref().map(|placed| &placed.value);
-            let formula = amount.and_then(formula_of);
+            let unit = self.unit(entry, row);
+            let formula = given.as_ref().and_then(|placed| formula_of(&placed.value));
             SettingView {
                 name: row.name.to_owned(),
                 description: row.description.to_owned(),
-                unit: self.unit(entry, row),
                 form: form(row.quantity),
-                value: value(row, amount, &evaluated),
+                value: self.value(row, given.as_ref(), &unit),
+                unit,
                 text: self.text(section, name, row.name),
                 range: range(row),
                 words: words(row.quantity),
@@ -56,23 +56,41 @@ impl<'p> SettingViewer<'p> {
 
     /// The settings of an instance. The macro declares them.
     pub(super) fn of_instance(&self, name: &str, instance: &Instance) -> Vec<SettingView> {
-        let evaluated =
-            self.circuit.as_ref().map(|(circuit, _)| settings_of_instance(circuit, name, instance));
-        let evaluated = evaluated.unwrap_or_default();
         let definition = self.patch.macros.get(&instance.macro_name);
         let description = |key: &str| Some(definition?.settings.get(key)?.description.clone());
+        let value = |key: &str| self.quantities.value(&format!("{name}.{key}"));
         let view = |(key, setting): (&String, &InstanceSetting)| SettingView {
             name: key.clone(),
             description: description(key).unwrap_or_default(),
             unit: setting.unit.text().to_owned(),
             form: "number",
-            value: number(&evaluated, key, &setting.value.value),
+            value: value(key).map(|value| setting.unit.out_of_si(value)),
             text: self.text("elements", name, key),
             range: None,
             words: Vec::new(),
             parameters: self.parameters(&setting.value.value),
         };
         instance.settings.iter().map(view).collect()
+    }
+
+    /// The value of a setting as a number in its unit. `None` if it has none.
+    fn value(&self, row: &Setting, given: Option<&Placed<Amount>>, unit: &str) -> Option<f64> {
+        match given.map(|placed| (&placed.value, placed.span)) {
+            Some((Amount::Formula(formula), span)) => {
+                let is_mismatch = self
+                    .mismatches
+                    .iter()
+                    .any(|mismatch| span.start <= mismatch.start && mismatch.end <= span.end);
+                if is_mismatch { None } else { setting_number(self.quantities, row, formula, unit) }
+            }
+            Some((Amount::Flag(flag), _)) => Some(f64::from(u8::from(*flag))),
+            Some((Amount::Choice(index), _)) => Some(*index as f64),
+            Some((Amount::Points(_), _)) => None,
+            None => match row.default {
+                SettingDefault::Number(number) => Some(number),
+                SettingDefault::Required | SettingDefault::Absent => None,
+            },
+        }
     }
 
     /// The unit of a setting in words. Values of a drive have the unit of its scale.
@@ -114,29 +132,6 @@ fn formula_of(amount: &Amount) -> Option<&Formula> {
     match amount {
         Amount::Formula(formula) => Some(formula),
         Amount::Flag(_) | Amount::Choice(_) | Amount::Points(_) => None,
-    }
-}
-
-/// The value of a setting as a number. `None` if it has none.
-fn value(row: &Setting, amount: Option<&Amount>, evaluated: &[SymbolSetting]) -> Option<f64> {
-    match amount {
-        Some(Amount::Formula(formula)) => number(evaluated, row.name, formula),
-        Some(Amount::Flag(flag)) => Some(f64::from(u8::from(*flag))),
-        Some(Amount::Choice(index)) => Some(*index as f64),
-        Some(Amount::Points(_)) => None,
-        None => match row.default {
-            SettingDefault::Number(number) => Some(number),
-            SettingDefault::Required | SettingDefault::Absent => None,
-        },
-    }
-}
-
-/// The number of a setting: its evaluated formula, or a formula that is a number itself.
-fn number(evaluated: &[SymbolSetting], name: &str, formula: &Formula) -> Option<f64> {
-    let setting = evaluated.iter().find(|setting| setting.name == name);
-    match setting.map(|setting| &setting.value) {
-        Some(SettingValue::Number(number)) => Some(*number),
-        _ => formula.text().trim().parse().ok(),
     }
 }
 

@@ -61,6 +61,15 @@ test('The period of a sine', () => {
   assert.ok(Math.abs(trace.periodOf(0) - 62.5) < 0.5);
 });
 
+test('An oscillation that ends, or that begins late, has no period', () => {
+  const wave = (first, last) => Array.from({ length: 1000 }, (_, at) => (at < first || at > last ? 0 : 50 * Math.sin((2 * Math.PI * at) / 25)));
+  for (const [first, last, period] of [[0, 999, 12.5], [0, 960, 12.5], [0, 900, 0], [100, 999, 0], [0, 20, 0]]) {
+    const trace = new Trace();
+    trace.take(time(1, wave(first, last)), 500, false, 0);
+    assert.ok(Math.abs(trace.periodOf(0) - period) < 0.1, `${first} to ${last}: ${trace.periodOf(0)}`);
+  }
+});
+
 test('Steps are round values from the first to the last', () => {
   assert.deepEqual(series(0.002, 0.1), [0.002, 0.0025, 0.005, 0.01, 0.02, 0.025, 0.05, 0.1]);
   assert.deepEqual(series(3, 50), [5, 10, 20, 25, 50]);

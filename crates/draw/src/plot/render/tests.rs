@@ -1,5 +1,7 @@
 //! Rendered pictures contain what they should, and invalid requests are rejected.
 
+use std::f64::consts::TAU;
+
 use super::*;
 use crate::plot::{Channel, Marker};
 
@@ -125,6 +127,31 @@ fn only_traces_drawn_over_themselves_many_times_are_translucent() {
     assert!(is_translucent(&text));
     assert!(text.matches("opacity=\"0").count() >= 8);
     assert!(!render(&[dense], Format::Png, Size::default()).unwrap().is_empty());
+}
+
+/// Strokes of a sine that touch each other. `times` are those of its points.
+fn block(times: &[f64]) -> Picture {
+    let points = (0..12_000).map(|n| (f64::from(n) / 12_000.0, (f64::from(n) * TAU / 20.0).sin()));
+    picture(vec![Channel { times: times.into(), ..channel("v_o", points.collect()) }])
+}
+
+#[test]
+fn a_trace_that_fills_an_area_has_shades_of_its_colour() {
+    let text = svg(&[block(&[])]);
+    assert!(!text.contains("opacity=\"0"));
+    let is_line = |line: &&str| line.contains("stroke-width=\"16\"");
+    let colour =
+        |line: &str| line.split("stroke=\"").nth(1).map_or(String::new(), |rest| rest[..7].to_owned());
+    let mut colours: Vec<String> = text.split("<polyline").filter(is_line).map(colour).collect();
+    colours.dedup();
+    assert!((4..=6).contains(&colours.len()), "{colours:?}");
+    // Later ones are darker, and the last one is the colour of the trace.
+    let red = |colour: &String| u8::from_str_radix(&colour[1..3], 16).unwrap();
+    assert!(colours.is_sorted_by(|one, next| red(one) > red(next)), "{colours:?}");
+    assert_eq!(colours.last().map(String::as_str), Some("#0B3D91"));
+    // Other times give other shades.
+    let times: Vec<f64> = (0..12_000).map(|n| f64::from(n).powi(2)).collect();
+    assert!(text != svg(&[block(&times)]));
 }
 
 #[test]

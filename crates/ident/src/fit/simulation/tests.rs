@@ -41,6 +41,14 @@ fn spring() -> Experiment {
     Experiment::read(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The outputs of an experiment with these changes of parameters.
+fn simulate(
+    experiment: &Experiment,
+    parameters: &[(String, f64)],
+) -> Result<Vec<SimulatedRecord>, ModelError> {
+    Simulation::new(experiment, &Problem::of(experiment)?)?.run(parameters)
+}
+
 /// Changes of parameters.
 fn changes(values: &[(&str, f64)]) -> Vec<(String, f64)> {
     values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()

@@ -40,6 +40,17 @@ fn a_chosen_name_must_be_free_and_valid() {
 }
 
 #[test]
+fn without_known_names_a_message_has_no_list() {
+    let mut document = Document::empty(None, &TableAccess::None);
+    let refused = refusal(&mut document, &Command::RemoveElement { name: "A9".to_owned() });
+    assert_eq!(refused.message, "there is no element A9 to remove");
+    let refused = refusal(&mut document, &set("A9", "initial", json!(1)));
+    assert_eq!(refused.message, "there is no element A9");
+    let refused = refusal(&mut document, &plug("A9", "x1", "+100"));
+    assert_eq!(refused.message, "there is no element A9 with inputs");
+}
+
+#[test]
 fn of_every_new_element_only_the_cords_are_missing() {
     let mut document = Document::empty(None, &TableAccess::None);
     for kind in REGISTRY {

@@ -3,8 +3,8 @@
 //! The clock advances only by [`Bench::advance`]. The machine follows it by the speed factor, as far as the host gives
 //! time to compute. Whatever it cannot compute in time is dropped, and the frame says by what factor it is slower.
 //!
-//! `phases` plays the phases of a mode, `way_back` moves the machine to an earlier time, and `settings` makes the machine
-//! of a patch.
+//! `phases` plays the phases of a mode, `way_back` moves the machine to another time of its run, and `settings` has the
+//! times of a run.
 
 mod phases;
 mod settings;
@@ -12,9 +12,8 @@ mod way_back;
 
 use patchcord_core::solve::{Machine, Phase, RunError};
 
-use self::settings::{continued, run_settings};
-use self::way_back::WayBack;
-use super::live_machine::{Live, LiveMachine};
+use self::settings::run_settings;
+use super::live_machine::{Live, LiveMachine, continue_run, live_machine};
 use crate::command::Mode;
 use crate::compiled::Compiled;
 use crate::limits::MAX_DELAY_BYTES;
@@ -70,14 +69,13 @@ pub(super) struct Bench {
     plan: Option<Vec<Phase>>,
     /// Length of the longest repetition in the plan, in problem seconds.
     plan_length: Option<f64>,
-    /// Whether the present patch does not compile. The machine keeps its state and waits.
+    /// Whether there is no machine for the present patch: it does not compile, or its run cannot begin. The machine of
+    /// the patch before, if there is one, keeps its state and waits.
     pub is_blocked: bool,
     /// Why the machine stopped.
     pub stopped: Option<String>,
-    /// The mode for which the machine plays its phases; `None` before the first one and after the machine went back.
-    plays: Option<Mode>,
-    /// The way back to an earlier time, if the machine is on it.
-    way_back: Option<WayBack>,
+    /// The time by the recorder's clock to which the machine is on its way, in seconds; `None` if it is not.
+    way_back: Option<f64>,
     /// Problem seconds by which the machine is ahead of the clock, because it was held or took a step across it;
     /// negative if it is behind by less than a step.
     ahead: f64,
@@ -101,7 +99,6 @@ impl Bench {
             plan_length: None,
             is_blocked: true,
             stopped: None,
-            plays: None,
             way_back: None,
             ahead: 0.0,
             last_point: f64::INFINITY,
@@ -111,14 +108,14 @@ impl Bench {
         }
     }
 
-    /// Whether the machine can move: there is one, its patch is the present one, and it did not stop.
+    /// Whether the machine can move: its patch is the present one, and it did not stop.
     pub(super) fn is_ready(&self) -> bool {
-        self.machine.is_some() && !self.is_blocked && self.stopped.is_none()
+        !self.is_blocked && self.stopped.is_none()
     }
 
     /// Takes another patch. With `None`, which stands for a patch that does not compile, the machine waits. Otherwise it
     /// continues with the states of the present one, unless `resets`, or if there is none that runs. With both, there is
-    /// no machine until the patch compiles.
+    /// no machine until the patch compiles. A machine that cannot continue stops in initial condition.
     pub(super) fn set_patch(
         &mut self,
         compiled: Option<&Compiled>,
@@ -135,17 +132,17 @@ impl Bench {
             }
             return;
         };
-        self.end_way_back(scopes);
-        self.is_blocked = false;
+        self.forget_later(scopes);
         self.plan = circuit.run_plan().all_phases();
         self.plan_length = circuit.run_plan().longest_repetition();
         let old = self.machine.take().filter(|_| !resets && self.stopped.is_none());
         let resets = resets || old.is_none();
-        self.stopped = None;
-        match continued(program, &run_settings(circuit, self.controls.sweep), old) {
-            Ok(machine) => self.machine = Some(machine),
-            Err(error) => self.stopped = Some(error.to_string()),
-        }
+        let outcome = live_machine(program, &run_settings(circuit, self.controls.sweep)).and_then(|new| {
+            let machine = self.machine.insert(new);
+            old.map_or(Ok(()), |old| continue_run(machine, old))
+        });
+        self.stopped = outcome.err().map(|error| error.to_string());
+        self.is_blocked = self.machine.is_none();
         self.watch(probes, scopes);
         if resets {
             self.begin_mode(scopes);
@@ -162,15 +159,18 @@ impl Bench {
         self.end_way_back(scopes);
         let before = self.controls.mode;
         self.controls.mode = mode;
-        if self.stopped.is_some() && !matches!(mode, Mode::Hold | Mode::Operate) {
+        // Without a machine, no mode removes the reason.
+        if self.machine.is_some() && !matches!(mode, Mode::Hold | Mode::Operate) {
             self.stopped = None;
         }
         let continues = matches!(before, Mode::Operate | Mode::Hold | Mode::Repetitive | Mode::Single);
         match mode {
             Mode::Hold => {}
             Mode::Operate if continues => {
-                if self.plays != Some(Mode::Operate) {
+                self.forget_later(scopes);
+                if self.with_live(|live| Ok(live.plays)).flatten() != Some(Mode::Operate) {
                     self.play_phases(&[Phase::operate(self.sweep())]);
+                    self.with_live(|live| live.note_change());
                 }
             }
             _ => self.begin_mode(scopes),
@@ -199,9 +199,14 @@ impl Bench {
         self.with_live(|live| Ok(live.run.clock())).unwrap_or(0.0)
     }
 
-    /// The earliest time to which the machine can be moved back, in seconds; its present time if it cannot.
-    pub(super) fn oldest(&mut self) -> f64 {
-        self.with_live(|live| Ok(live.oldest().unwrap_or(live.run.clock()))).unwrap_or(0.0)
+    /// The earliest time to which the machine can be moved back, in seconds; `None` if it cannot.
+    pub(super) fn oldest(&mut self) -> Option<f64> {
+        self.with_live(|live| Ok(live.oldest())).flatten()
+    }
+
+    /// The end of the run in seconds, if the machine was moved back and can be moved forward again.
+    pub(super) fn latest(&mut self) -> Option<f64> {
+        self.with_live(|live| Ok(live.latest())).flatten()
     }
 
     /// Sets a parameter at the present instant.
@@ -219,7 +224,8 @@ impl Bench {
         machine.with_dependent_mut(|_, live| {
             live.run.set_parameters([(name, value)]).map_err(|error| error.to_string())
         })?;
-        self.with_live(|live| live.note_change());
+        self.forget_later(scopes);
+        self.with_live(|live| live.note_turned(name, value));
         Ok(())
     }
 
@@ -244,7 +250,7 @@ impl Bench {
         matches!(self.controls.mode, Mode::Operate | Mode::Repetitive | Mode::Single)
     }
 
-    /// Whether problem time advances with the clock, or the machine is on its way back.
+    /// Whether problem time advances with the clock, or the machine is on its way to another time.
     pub(super) fn is_moving(&self) -> bool {
         let follows_clock = self.moves() && !self.controls.paused;
         (follows_clock || self.way_back.is_some()) && self.is_ready()

@@ -39,8 +39,9 @@ impl Bench {
 
     /// Replaces the phases that the machine plays, and drops the records of those that it has played.
     pub(super) fn play_phases(&mut self, phases: &[Phase]) {
-        self.plays = Some(self.controls.mode);
+        let mode = self.controls.mode;
         self.with_live(|live| {
+            live.plays = Some(mode);
             live.run.replace_phases(phases)?;
             live.run.take_samples();
             Ok(())

@@ -1,34 +1,12 @@
-//! The settings of a live run of a patch, and the machine that continues another one.
-
-use std::sync::Arc;
+//! The settings of a live run of a patch.
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::Program;
-use patchcord_core::solve::{Phase, RunError, RunSettings};
+use patchcord_core::solve::{Phase, RunSettings};
 
 use super::DEFAULT_SWEEP;
-use crate::session::live_machine::{LiveMachine, live_machine};
 
 /// Steps of a sweep if the patch gives no step.
 const DEFAULT_STEPS: f64 = 10_000.0;
-
-/// A machine in initial condition, or one that continues the run of another machine.
-///
-/// # Errors
-/// If the times of the patch are not valid, or the voltages cannot be evaluated.
-pub(super) fn continued(
-    program: &Arc<Program>,
-    settings: &RunSettings,
-    old: Option<LiveMachine>,
-) -> Result<LiveMachine, RunError> {
-    let mut machine = live_machine(program, settings)?;
-    if let Some(mut old) = old {
-        machine.with_dependent_mut(|_, new| {
-            old.with_dependent_mut(|_, old| new.run.continue_from(&mut old.run))
-        })?;
-    }
-    Ok(machine)
-}
 
 /// The settings of a live run of a patch. A patch without times gets usual ones, so that it can be tried while it is
 /// built.

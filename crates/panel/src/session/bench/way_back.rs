@@ -1,5 +1,8 @@
-//! The way back to an earlier time of a run.
+//! The way to another time of a run: back, and forward again up to its end.
+//!
+//! The run keeps its checkpoints and the scopes keep their traces until it continues from an earlier time.
 
+use patchcord_core::document::format_number;
 use patchcord_core::solve::{LiveState, Phase, RunError};
 
 use super::phases::pass_point;
@@ -8,47 +11,42 @@ use crate::command::Mode;
 use crate::scope::Scope;
 use crate::session::live_machine::Live;
 
-/// The way back to an earlier time. A checkpoint before it was restored, and the run is repeated from there.
-pub(super) struct WayBack {
-    /// The time by the recorder's clock, in seconds.
-    goal: f64,
-    /// The parameters that the machine gets there.
-    parameters: Vec<(String, f64)>,
-}
-
 impl Bench {
-    /// Moves the machine back to an earlier time of its run, and holds it there. `parameters` are those that it gets
-    /// there. If the host has no time for the whole way, the next advances continue it.
+    /// Moves the machine to an earlier time of its run, or forward again, and holds it there. A checkpoint before this time
+    /// is restored, and the run is repeated from there. If the host has no time for the whole way, the next advances
+    /// continue it.
     ///
     /// # Errors
     /// The message if the time is not within the run, or if the machine waits for a patch without faults.
     pub(in crate::session) fn scrub(
         &mut self,
         time: f64,
-        parameters: Vec<(String, f64)>,
         scopes: &mut [Scope],
         must_stop: &mut dyn FnMut() -> bool,
     ) -> Result<(), String> {
         if self.is_blocked {
             return Err("the patch has faults: correct them before the machine goes back".to_owned());
         }
-        let clock = self.clock();
-        let goal = self.with_live(|live| Ok(if time <= clock { live.return_before(time) } else { None }));
-        let Some(goal) = goal.flatten() else {
-            let oldest = self.oldest();
+        let goal = self.with_live(|live| Ok(live.return_before(time))).flatten();
+        let Some(goal) = goal else {
+            let Some(oldest) = self.oldest() else {
+                return Err("there is no earlier time to which the machine can be moved back".to_owned());
+            };
+            let latest = self.latest().unwrap_or(self.clock());
+            let [oldest, latest, time] = [oldest, latest, time].map(format_number);
             return Err(format!(
-                "the machine can be moved back to {oldest} ... {clock} s of its run, not to {time} s"
+                "the machine can be moved back to {oldest} ... {latest} s of its run, not to {time} s"
             ));
         };
-        (self.stopped, self.controls.mode, self.plays) = (None, Mode::Hold, None);
-        self.way_back = Some(WayBack { goal, parameters });
+        (self.stopped, self.controls.mode) = (None, Mode::Hold);
+        self.way_back = Some(goal);
         self.follow_way_back(scopes, must_stop);
         Ok(())
     }
 
-    /// Follows the way back as far as the host gives time.
+    /// Follows the way as far as the host gives time.
     pub(super) fn follow_way_back(&mut self, scopes: &mut [Scope], must_stop: &mut dyn FnMut() -> bool) {
-        let Some(goal) = self.way_back.as_ref().map(|way| way.goal) else { return };
+        let Some(goal) = self.way_back else { return };
         let further = Phase::operate(self.sweep());
         let arrives = self.with_live(|live| play_up_to(live, goal, &further, must_stop));
         if arrives != Some(false) {
@@ -56,23 +54,34 @@ impl Bench {
         }
     }
 
-    /// Ends the way back at the present instant, if the machine is on one: it gets the present parameters, and the scopes
-    /// go back to this point.
+    /// Ends the way at the present instant, if the machine is on it. It has the present parameters there, and the scopes
+    /// show the screen with this time.
     pub(super) fn end_way_back(&mut self, scopes: &mut [Scope]) {
-        let (Some(way), Some(machine)) = (self.way_back.take(), &mut self.machine) else { return };
-        let watched = &self.watched;
-        let outcome = machine.with_dependent_mut(|_, live| {
-            live.run.set_parameters(way.parameters.iter().map(|(name, value)| (name, *value)))?;
-            if let Some((time, volts)) = live.run.points().iter().last() {
-                pass_point(time, volts, watched, scopes);
-            }
-            live.run.points().clear();
-            live.note_change()
-        });
-        if let Err(error) = outcome {
-            self.stopped = Some(error.to_string());
+        if self.way_back.take().is_none() {
+            return;
         }
-        (self.ahead, self.last_point) = (0.0, self.clock());
+        self.with_live(|live| live.adopt_later_values());
+        self.ahead = 0.0;
+        let clock = self.clock();
+        scopes.iter_mut().for_each(|scope| scope.show(clock));
+    }
+
+    /// Forgets what a machine that was moved back did after the present instant, also on the scopes, because its run
+    /// continues otherwise.
+    pub(super) fn forget_later(&mut self, scopes: &mut [Scope]) {
+        self.end_way_back(scopes);
+        if self.latest().is_none() {
+            return;
+        }
+        let (clock, watched) = (self.clock(), self.watched.clone());
+        self.with_live(|live| {
+            let machine = live.run.machine()?;
+            let names = watched.iter().flatten();
+            let volts: Vec<f64> = names.map(|name| machine.voltage(name).unwrap_or(f64::NAN)).collect();
+            pass_point(clock, &volts, &watched, scopes);
+            live.forget_later()
+        });
+        self.last_point = clock;
     }
 }
 
