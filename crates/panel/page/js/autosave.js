@@ -28,11 +28,8 @@ const writer = random();
 
 /** @type {Entry | null} */
 let present = null;
-let changes = 0;
-let kept = 0;
-let timer = 0;
-let hasFailed = false;
-let queue = Promise.resolve();
+/** The number of changes, how many of them are kept, the timer of the next snapshot, whether one failed, and the last one. */
+let [changes, kept, timer, hasFailed, queue] = [0, 0, 0, false, Promise.resolve()];
 
 /** @type {Promise<IDBDatabase> | null} */
 let database = null;

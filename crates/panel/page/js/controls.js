@@ -7,43 +7,45 @@ import { on, send, state } from './state.js';
 /** Below this share of the wanted speed the page reports that the machine is slow. */
 const SLOW = 0.95;
 
-function mountModes() {
-  const text = byId('mode-text');
-  const press = choice('modes', (mode) => send('mode', { mode }));
-  on('machine', ({ mode, stopped }) => {
-    press(mode);
-    text.dataset.stopped = Boolean(stopped);
-    write(text, stopped ?? document.querySelector(`.mode[value=${mode}]`).dataset.about);
-    // A first look at the panel: the button that makes a trace stands out until the machine has run.
-    if (['operate', 'repetitive', 'single'].includes(mode)) delete root.dataset.first;
-  });
+// Modes.
+
+const text = byId('mode-text');
+const pressMode = choice('modes', (mode) => send('mode', { mode }));
+on('machine', ({ mode, stopped }) => {
+  pressMode(mode);
+  text.dataset.stopped = Boolean(stopped);
+  write(text, stopped ?? document.querySelector(`.mode[value=${mode}]`).dataset.about);
+  // A first look at the panel: the button that makes a trace stands out until the machine has run.
+  if (['operate', 'repetitive', 'single'].includes(mode)) delete root.dataset.first;
+});
+
+// Speed and pause.
+
+const buttons = [...byId('speed').children];
+const pressSpeed = choice('speed', (value) => send('speed', { factor: Number(value) || null }));
+/** The button of the speed that was chosen last: keys can be faster than the answers. */
+let at = 1;
+
+function step(by) {
+  at = within(0, at + by, buttons.length - 1);
+  buttons[at].click();
 }
 
-function mountSpeed() {
-  const buttons = [...byId('speed').children];
-  const press = choice('speed', (value) => send('speed', { factor: Number(value) || null }));
-  /** The button of the speed that was chosen last: keys can be faster than the answers. */
-  let at = 1;
-  const step = (by) => {
-    at = within(0, at + by, buttons.length - 1);
-    buttons[at].click();
-  };
-  bind(',', 'Slower', () => step(-1));
-  bind('.', 'Faster', () => step(1));
-  on('machine', ({ speed, rate }) => {
-    // The button of the highest speed has no value.
-    const present = String(speed ?? '');
-    press(rate === null && present);
-    at = buttons.findIndex(({ value }) => value === present);
-    if (at < 0) at = 1;
-  });
-}
+bind(',', 'Slower', () => step(-1));
+bind('.', 'Faster', () => step(1));
+on('machine', ({ speed, rate }) => {
+  // The button of the highest speed has no value.
+  const present = String(speed ?? '');
+  pressSpeed(rate === null && present);
+  at = buttons.findIndex(({ value }) => value === present);
+  if (at < 0) at = 1;
+});
 
-function mountPause() {
-  const pause = byId('pause');
-  pause.onclick = () => send('pause', { paused: !state.machine?.paused });
-  on('machine', ({ paused }) => { pause.dataset.paused = paused; });
-}
+const pause = byId('pause');
+pause.onclick = () => send('pause', { paused: !state.machine?.paused });
+on('machine', ({ paused }) => { pause.dataset.paused = paused; });
+
+// The readout, and the slider over the run.
 
 /** Seconds with as many decimals as the length of the run needs, so that the digits stay in their places. */
 const clock = (time) => time.toFixed(within(1, 3 - Math.floor(Math.log10(state.machine?.sweep || 1)), 6));
@@ -57,37 +59,36 @@ function pace(frame, factor) {
   return state.machine?.speed === null && state.machine?.rate === null ? 'as fast as possible' : 'running';
 }
 
-/** The readout, and the slider over the run. */
-function mountReadout() {
-  const [scrub, value] = [byId('scrub'), byId('scrub-time')];
-  /** The answer to the last command while the slider is moved. One command is on its way, and a new one replaces one that waits. */
-  let [factor, moved] = [1, null];
-  scrub.oninput = () => {
-    value.textContent = quantity(Number(scrub.value), 's');
-    moved = send('scrub', { time: Number(scrub.value) });
-  };
-  // When it is let go, the slider follows the machine again. There is no `change` if it is back at its place.
-  scrub.onchange = scrub.onpointerup = scrub.onpointercancel = scrub.onblur = async () => {
-    const last = moved;
-    await last;
-    if (moved === last) moved = null;
-  };
-  on('frame', (frame) => {
-    const { time } = frame;
-    if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
-    write(byId('time'), clock(time));
-    write(byId('pace'), pace(frame, factor));
-    // The lamp of the whole machine names the amplifier whose lamp lit first.
-    const first = state.patch.outputs[frame.firstLamp];
-    write(byId('overload'), first ? `Overload: ${first.name}` : '');
-    if (moved) return;
-    scrub.min = state.machine.oldest ?? time;
-    scrub.max = state.machine.latest ?? time;
-    scrub.disabled = scrub.min === scrub.max;
-    scrub.value = time;
-    write(value, quantity(time, 's'));
-  });
-}
+const [scrub, value] = [byId('scrub'), byId('scrub-time')];
+/** The answer to the last command while the slider is moved. One command is on its way, and a new one replaces one that waits. */
+let [factor, moved] = [1, null];
+scrub.oninput = () => {
+  value.textContent = quantity(Number(scrub.value), 's');
+  moved = send('scrub', { time: Number(scrub.value) });
+};
+// When it is let go, the slider follows the machine again. There is no `change` if it is back at its place.
+scrub.onchange = scrub.onpointerup = scrub.onpointercancel = scrub.onblur = async () => {
+  const last = moved;
+  await last;
+  if (moved === last) moved = null;
+};
+on('frame', (frame) => {
+  const { time } = frame;
+  if (frame.moves) factor += 0.1 * (Math.min(frame.factor, 1) - factor);
+  write(byId('time'), clock(time));
+  write(byId('pace'), pace(frame, factor));
+  // The lamp of the whole machine names the amplifier whose lamp lit first.
+  const first = state.patch.outputs[frame.firstLamp];
+  write(byId('overload'), first ? `Overload: ${first.name}` : '');
+  if (moved) return;
+  scrub.min = state.machine.oldest ?? time;
+  scrub.max = state.machine.latest ?? time;
+  scrub.disabled = scrub.min === scrub.max;
+  scrub.value = time;
+  write(value, quantity(time, 's'));
+});
+
+// The fields, and the history.
 
 /** The field for an argument of a command. An empty field goes back to what the patch or the machine gives by default. */
 function numberField(command, argument, otherwise = null) {
@@ -102,33 +103,22 @@ function numberField(command, argument, otherwise = null) {
   return (value) => { if (document.activeElement !== input && input.ariaInvalid !== 'true') input.value = format(value, 6); };
 }
 
-function mountTiming() {
-  const sweep = numberField('sweep', 'seconds');
-  const rate = numberField('rate', 'hertz');
-  const scale = numberField('time-scale', 'value', 1);
-  on('machine', (machine) => {
-    sweep(machine.sweep);
-    rate(machine.rate);
+const sweep = numberField('sweep', 'seconds');
+const rate = numberField('rate', 'hertz');
+const scale = numberField('time-scale', 'value', 1);
+on('machine', (machine) => {
+  sweep(machine.sweep);
+  rate(machine.rate);
+});
+on('patch', (patch) => scale(patch.time_scale));
+
+for (const id of ['undo', 'redo']) {
+  const button = byId(id);
+  button.onclick = () => { if (button.ariaDisabled !== 'true') send(id); };
+  on('patch', ({ [id]: step }) => {
+    // The button keeps the focus when there is nothing left, so it is not `disabled`.
+    button.ariaDisabled = step === null;
+    button.ariaLabel = step === null ? `Nothing to ${id}` : `${button.dataset.action}: ${step}`;
+    button.title = `${button.ariaLabel} (${button.dataset.keys})`;
   });
-  on('patch', (patch) => scale(patch.time_scale));
 }
-
-function mountHistory() {
-  for (const id of ['undo', 'redo']) {
-    const button = byId(id);
-    button.onclick = () => { if (button.ariaDisabled !== 'true') send(id); };
-    on('patch', ({ [id]: step }) => {
-      // The button keeps the focus when there is nothing left, so it is not `disabled`.
-      button.ariaDisabled = step === null;
-      button.ariaLabel = step === null ? `Nothing to ${id}` : `${button.dataset.action}: ${step}`;
-      button.title = `${button.ariaLabel} (${button.dataset.keys})`;
-    });
-  }
-}
-
-mountModes();
-mountPause();
-mountSpeed();
-mountReadout();
-mountTiming();
-mountHistory();

@@ -77,24 +77,22 @@ async function save() {
   markSaved();
 }
 
-function mountDrop() {
-  const hasFile = ({ dataTransfer }) => dataTransfer?.types.includes('Files');
-  const show = (isOver) => root.toggleAttribute('data-dropping', isOver);
-  fill(document, {
-    ondragover(event) {
-      if (!hasFile(event)) return;
-      event.preventDefault();
-      show(true);
-    },
-    ondragleave: ({ relatedTarget }) => { if (relatedTarget === null) show(false); },
-    ondrop(event) {
-      show(false);
-      if (!hasFile(event)) return;
-      event.preventDefault();
-      openFiles(event.dataTransfer.files);
-    },
-  });
-}
+const hasFile = ({ dataTransfer }) => dataTransfer?.types.includes('Files');
+const show = (isOver) => root.toggleAttribute('data-dropping', isOver);
+fill(document, {
+  ondragover(event) {
+    if (!hasFile(event)) return;
+    event.preventDefault();
+    show(true);
+  },
+  ondragleave: ({ relatedTarget }) => { if (relatedTarget === null) show(false); },
+  ondrop(event) {
+    show(false);
+    if (!hasFile(event)) return;
+    event.preventDefault();
+    openFiles(event.dataTransfer.files);
+  },
+});
 
 const textAt = async (path, url) => textOf((await read(path, url)).body, LARGEST_FILE, 'The file');
 
@@ -176,7 +174,6 @@ const actions = {
   open: () => input.click(), gallery: () => showGallery(GALLERY),
 };
 for (const [id, run] of Object.entries(actions)) byId(id).onclick = run;
-mountDrop();
 on('patch saved', showTitle);
 addEventListener('hashchange', () => {
   // A token in the address is kept.

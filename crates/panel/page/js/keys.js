@@ -1,7 +1,7 @@
 /** Keys of the page. The table that carries them out is also the list that the page shows. */
 
 import { byId, el, place, stored, template } from './dom.js';
-import { cancelProbe } from './state.js';
+import { selectProbe } from './state.js';
 
 /** @type {{key: string, text: string | undefined, run: (event: KeyboardEvent) => void, button?: HTMLElement}[]} */
 const table = [];
@@ -36,7 +36,7 @@ function isTaken({ target, key, defaultPrevented, altKey, isComposing }, name) {
 const areLettersOff = () => stored('letters-off') === 'true';
 
 function pressed(event) {
-  if (event.key === 'Escape') cancelProbe();
+  if (event.key === 'Escape') selectProbe(null);
   const name = nameOf(event);
   // Two views can have the same key.
   const row = table.find(({ key, button }) => key === name && !button?.closest('[hidden]'));

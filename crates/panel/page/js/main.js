@@ -14,7 +14,7 @@ import './measured.js';
 import './meters.js';
 import './schematic.js';
 import './scope.js';
-import { cancelProbe, emit, on, open, send, state } from './state.js';
+import { emit, on, open, selectProbe, send, state } from './state.js';
 
 const tabs = [...document.querySelectorAll('[role=tab]')];
 const [schematic, board, link] = ['schematic', 'board', 'link'].map(byId);
@@ -46,53 +46,47 @@ function select(chosen) {
   setLayout(root.dataset.layout === 'view' ? 'view' : 'both');
 }
 
-function mountTabs() {
-  tabs.forEach((tab, index) => {
-    tab.onclick = () => select(tab);
-    tab.onkeydown = ({ key }) => {
-      const by = { ArrowRight: 1, ArrowLeft: -1 }[key];
-      if (!by) return;
-      const next = tabs.at((index + by) % tabs.length);
-      next.focus();
-      select(next);
-    };
-  });
-  bind('V', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
-  const before = stored('layout') ?? 'both';
-  select(byId(stored('tab')) ?? tabs[0]);
-  setLayout(before);
-  on('highlight', ({ element, equation }) => {
-    // A finding about an equation has no place at the panel. The schematic has all other places.
-    if (equation) select(tabs[2]);
-    else if (element && (root.dataset.layout === 'scopes' || (schematic.hidden && board.hidden))) select(tabs[board.hidden ? 0 : 1]);
-  });
-}
+tabs.forEach((tab, index) => {
+  tab.onclick = () => select(tab);
+  tab.onkeydown = ({ key }) => {
+    const by = { ArrowRight: 1, ArrowLeft: -1 }[key];
+    if (!by) return;
+    const next = tabs.at((index + by) % tabs.length);
+    next.focus();
+    select(next);
+  };
+});
+bind('V', 'Large scopes, large view, or both', () => setLayout({ both: 'scopes', scopes: 'view', view: 'both' }[root.dataset.layout]));
+const before = stored('layout') ?? 'both';
+select(byId(stored('tab')) ?? tabs[0]);
+setLayout(before);
+on('highlight', ({ element, equation }) => {
+  // A finding about an equation has no place at the panel. The schematic has all other places.
+  if (equation) select(tabs[2]);
+  else if (element && (root.dataset.layout === 'scopes' || (schematic.hidden && board.hidden))) select(tabs[board.hidden ? 0 : 1]);
+});
 
-/** Theme and projector mode, which theme.js shows. */
-function mountAppearance() {
-  const [theme, projector] = [byId('theme'), byId('projector')];
-  theme.value = stored('theme') ?? 'system';
-  projector.ariaPressed = stored('projector') === 'true';
-  const set = (key, value) => {
-    stored(key, value);
-    dispatchEvent(new Event('storage'));
-  };
-  theme.onchange = () => set('theme', theme.value);
-  projector.onclick = () => {
-    projector.ariaPressed = projector.ariaPressed !== 'true';
-    set('projector', projector.ariaPressed);
-  };
-}
+// Theme and projector mode, which theme.js shows.
+const [theme, projector] = [byId('theme'), byId('projector')];
+theme.value = stored('theme') ?? 'system';
+projector.ariaPressed = stored('projector') === 'true';
+const set = (key, value) => {
+  stored(key, value);
+  dispatchEvent(new Event('storage'));
+};
+theme.onchange = () => set('theme', theme.value);
+projector.onclick = () => {
+  projector.ariaPressed = projector.ariaPressed !== 'true';
+  set('projector', projector.ariaPressed);
+};
 
 /** A menu closes when the user goes elsewhere, and by the Escape key. */
-function mountPopovers() {
-  const close = ({ key, target }) => {
-    for (const each of document.querySelectorAll('.popover[open]')) {
-      if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
-    }
-  };
-  fill(document, { onpointerdown: close, onfocusin: close, onkeydown: close });
-}
+const close = ({ key, target }) => {
+  for (const each of document.querySelectorAll('.popover[open]')) {
+    if (key ? key === 'Escape' : !each.contains(target)) each.open = false;
+  }
+};
+fill(document, { onpointerdown: close, onfocusin: close, onkeydown: close });
 
 /** Connects and brings the first patch; also after the connection was lost. */
 async function start() {
@@ -105,9 +99,6 @@ async function start() {
 }
 
 byId('unstarted').remove();
-mountTabs();
-mountAppearance();
-mountPopovers();
-byId('cancel-probe').onclick = cancelProbe;
+byId('cancel-probe').onclick = () => selectProbe(null);
 link.lastChild.onclick = start;
 start();

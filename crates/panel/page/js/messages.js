@@ -65,10 +65,6 @@ export function toast(message, kind = 'error') {
   close.onclick = () => box.remove();
   byId('toasts').replaceChildren(box);
   place(box);
-  const spoken = byId('spoken');
-  spoken.textContent = '';
-  // An equal text is read out again only if it was removed before.
-  requestAnimationFrame(() => { spoken.textContent = message; });
   const time = SHOWN + SHOWN_PER_LETTER * message.length;
   let timer = setTimeout(close.onclick, time);
   box.onpointerenter = () => clearTimeout(timer);

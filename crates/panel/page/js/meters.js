@@ -61,50 +61,47 @@ function meterOf(title, connect) {
   };
 }
 
-function mountVoltmeter() {
-  const meter = meterOf('Voltmeter', (output) => send('meter', { output }));
-  meter.range(100);
-  on('patch', meter.update);
-  on('machine', (machine) => meter.at(machine.meter));
-  on('frame', (frame) => meter.show(frame.meter, (volts) => {
-    const { signal, per_volt: perVolt, unit } = outputOf(state.machine.meter) ?? {};
-    return signal ? `${signal} ${quantity(volts * perVolt, unit, 5)}` : '';
-  }));
-  byId('voltmeter').append(meter.node);
+const voltmeter = meterOf('Voltmeter', (output) => send('meter', { output }));
+voltmeter.range(100);
+on('patch', voltmeter.update);
+on('machine', ({ meter }) => voltmeter.at(meter));
+on('frame', ({ meter }) => voltmeter.show(meter, (volts) => {
+  const { signal, per_volt: perVolt, unit } = outputOf(state.machine.meter) ?? {};
+  return signal ? `${signal} ${quantity(volts * perVolt, unit, 5)}` : '';
+}));
+byId('voltmeter').append(voltmeter.node);
+
+/** The output at the null meter, and the card of its pot. */
+let [output, pot] = [null, null];
+const connect = (change) => send('null-meter', { ...state.machine.null_meter, ...change });
+const nullMeter = meterOf('Null meter', (name) => connect({ output: name }));
+const reference = dial({
+  label: 'Reference divider', unit: '1', range: [-1, 1], hasTurns: true, turned: (divider) => connect({ divider }),
+});
+reference.show(0);
+nullMeter.range(10);
+byId('null-meter').append(nullMeter.node);
+byId('null-output').append(nullMeter.outputs);
+byId('null-divider').append(reference.node);
+byId('null-range').onchange = ({ target }) => nullMeter.range(Number(target.value));
+byId('null-mode').onclick = () => send('mode', { mode: 'pot-set' });
+
+/** Shows the pot at the null meter, if there is one. */
+function placePot() {
+  pot = output && potCard(output, state.patch);
+  byId('null-pot').replaceChildren(pot?.node ?? '');
 }
 
-function mountNullMeter() {
-  let [output, pot] = [null, null];
-  const connect = (change) => send('null-meter', { ...state.machine.null_meter, ...change });
-  const meter = meterOf('Null meter', (name) => connect({ output: name }));
-  const place = () => {
-    pot = output && potCard(output, state.patch);
-    byId('null-pot').replaceChildren(pot?.node ?? '');
-  };
-  const reference = dial({
-    label: 'Reference divider', unit: '1', range: [-1, 1], hasTurns: true, turned: (divider) => connect({ divider }),
-  });
-  reference.show(0);
-  meter.range(10);
-  byId('null-meter').append(meter.node);
-  byId('null-output').append(meter.outputs);
-  byId('null-divider').append(reference.node);
-  byId('null-range').onchange = ({ target }) => meter.range(Number(target.value));
-  byId('null-mode').onclick = () => send('mode', { mode: 'pot-set' });
-  on('machine', ({ mode, null_meter: present }) => {
-    byId('null-mode').ariaPressed = mode === 'pot-set';
-    reference.show(present.divider);
-    meter.at(present.output);
-    if (present.output === output) return;
-    output = present.output;
-    place();
-  });
-  on('patch', (patch) => {
-    if (meter.update(patch)) place();
-    else pot?.refresh(patch);
-  });
-  on('frame', (frame) => meter.show(frame.nullMeter, (volts) => (Math.abs(volts) < 0.005 ? 'at zero' : '')));
-}
-
-mountVoltmeter();
-mountNullMeter();
+on('machine', ({ mode, null_meter: present }) => {
+  byId('null-mode').ariaPressed = mode === 'pot-set';
+  reference.show(present.divider);
+  nullMeter.at(present.output);
+  if (present.output === output) return;
+  output = present.output;
+  placePot();
+});
+on('patch', (patch) => {
+  if (nullMeter.update(patch)) placePot();
+  else pot?.refresh(patch);
+});
+on('frame', (frame) => nullMeter.show(frame.nullMeter, (volts) => (Math.abs(volts) < 0.005 ? 'at zero' : '')));

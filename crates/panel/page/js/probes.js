@@ -51,10 +51,7 @@ export function fillOutputs(list, { elements, outputs }, none) {
 
 /** The user has chosen an output: it gets the probe that waits, or a menu opens at the place. @param {Element} at */
 export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
-  if (isProbing()) {
-    probed(output);
-    return;
-  }
+  if (isProbing()) return probed(output);
   const menu = byId('probe-menu');
   const items = probes().map(({ name, look, output: now, connect }) => button(name, () => {
     connect(now === output ? null : output);

@@ -149,7 +149,7 @@ let probe = null;
 
 /**
  * Waits for a click on an output in any view. Only one listener waits at a time.
- * @param {(output: string) => void} listener called once, unless the user cancels
+ * @param {((output: string) => void) | null} listener called once; null ends the waiting
  */
 export function selectProbe(listener) {
   probe = listener;
@@ -159,14 +159,8 @@ export function selectProbe(listener) {
 /** A view reports a click on an output. */
 export function probed(output) {
   const listener = probe;
-  cancelProbe();
+  selectProbe(null);
   listener?.(output);
-}
-
-export function cancelProbe() {
-  if (!isProbing()) return;
-  probe = null;
-  emit('probing', null);
 }
 
 export const isProbing = () => probe !== null;
