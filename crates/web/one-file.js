@@ -2,7 +2,7 @@
 (() => {
   const addresses = {};
   for (const { dataset: { path }, text } of document.querySelectorAll('script[data-path^="js/"]')) {
-    const code = text.replace(/\bfrom ?'\.\/([^']+)'/g, (_, name) => `from'${addresses[`js/${name}`]}'`);
+    const code = text.replace(/\b(from|import) ?'\.\/([^']+)'/g, (_, word, name) => `${word}'${addresses[`js/${name}`]}'`);
     addresses[path] = URL.createObjectURL(new Blob([code], { type: 'text/javascript' }));
   }
   import(addresses['js/main.js']);

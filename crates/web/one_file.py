@@ -41,7 +41,7 @@ def modules(site):
         if path in importing:
             sys.exit(f"modules cannot import each other in {NAME}: {', '.join([*importing, path])}")
         if path not in order:
-            for name in re.findall(r"\bfrom ?'\./([^']+)'", (site / path).read_text("utf-8")):
+            for name in re.findall(r"\b(?:from|import) ?'\./([^']+)'", (site / path).read_text("utf-8")):
                 add(f"js/{name}", [*importing, path])
             order.append(path)
 

@@ -79,7 +79,7 @@ const turns = (page, count) => page.evaluate(async (number) => {
   for (let turn = 1; turn <= number; turn += 1) {
     await new Promise((resolve) => { setTimeout(resolve, 50 + 7 * (turn % 5)); });
     const begin = performance.now();
-    await send({ command: 'parameter', name, value: value * (1 + turn / 1000) });
+    await send('parameter', { name, value: value * (1 + turn / 1000) });
     await new Promise((resolve) => { arrive = resolve; });
     found.push(performance.now() - begin);
   }

@@ -137,8 +137,8 @@ export function stateOf(page) {
 /** Sends commands as the page does, for what no control does. Returns the events. */
 export function command(page, ...commands) {
   return page.evaluate(async (list) => {
-    const { send } = await import(new URL('js/state.js', document.baseURI).href);
-    return send(...list);
+    const { sendAll } = await import(new URL('js/state.js', document.baseURI).href);
+    return sendAll(list);
   }, commands);
 }
 
@@ -214,7 +214,7 @@ export function rowsOf(csv) {
   return lines.map((line) => Object.fromEntries(line.split(',').map((cell, index) => [names[index], cell === '' ? NaN : Number(cell)])));
 }
 
-/** The bright pixels of a scope: how many have the colour of a trace. */
+/** The pictures on the screen of a scope, as a text that differs if they do. */
 export function picturesOf(page, number) {
   return scopeOf(page, number).locator('canvas').evaluateAll((canvases) => canvases.map((canvas) => canvas.toDataURL()).join());
 }

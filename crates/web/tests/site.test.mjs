@@ -36,15 +36,14 @@ const wasm = typed('application/wasm');
 
 /** Sends commands, and returns the events of the answer and its frame. */
 async function send(worker, ...commands) {
-  const answer = await worker({ id: 1, text: JSON.stringify({ id: 1, commands }) });
+  const answer = await worker({ text: JSON.stringify({ id: 1, commands }) });
   assert.equal(answer.failed, undefined);
   return { events: JSON.parse(answer.text).events, ...answer };
 }
 
 for (const type of ['application/wasm', 'application/wasm; charset=utf-8', 'text/plain']) {
   test(`the engine is loaded as ${type}`, async () => {
-    const { id, events, frame } = await send(await start(typed(type)), { command: 'hello' });
-    assert.equal(id, 1);
+    const { events, frame } = await send(await start(typed(type)), { command: 'hello' });
     assert.equal(events[0].event, 'hello');
     assert.equal(frame, null);
   });
@@ -61,9 +60,9 @@ test('requests are answered in order, also those that come before the engine', a
   const ids = [1, 2, 3];
   const answers = [];
   const all = new Promise((resolve) => {
-    for (const id of ids) worker({ id, text: JSON.stringify({ id, commands: [] }) });
-    globalThis.postMessage = (answer) => {
-      answers.push(answer.id);
+    for (const id of ids) worker({ text: JSON.stringify({ id, commands: [] }) });
+    globalThis.postMessage = ({ text }) => {
+      answers.push(JSON.parse(text).id);
       if (answers.length === ids.length) resolve();
     };
   });
@@ -73,7 +72,7 @@ test('requests are answered in order, also those that come before the engine', a
 
 test('a missing engine is reported', async () => {
   const worker = await start(() => new Response('', { status: 404 }));
-  assert.match((await worker({ id: 5, text: '' })).failed, /engine.wasm is missing/);
+  assert.match((await worker({ text: '' })).failed, /engine.wasm is missing/);
 });
 
 test('a panic is reported, and no request is answered after it', async () => {
@@ -81,10 +80,10 @@ test('a panic is reported, and no request is answered after it', async () => {
   const worker = await start(wasm);
   await send(worker, { command: 'hello' });
   TextEncoder.prototype.encode = () => ({ length: 0xffff_ffff });
-  const { failed } = await worker({ id: 6, text: '' });
+  const { failed } = await worker({ text: '' });
   TextEncoder.prototype.encode = encode;
   assert.match(failed, /fault in patchcord: panicked at .*capacity overflow/s);
-  assert.equal((await worker({ id: 7, text: '{"id": 7, "commands": []}' })).failed, failed);
+  assert.equal((await worker({ text: '{"id": 7, "commands": []}' })).failed, failed);
 });
 
 test('without a name, the Worker loads the engine of the panel', async () => {
@@ -94,7 +93,7 @@ test('without a name, the Worker loads the engine of the panel', async () => {
     return new Promise(() => {});
   };
   await import(pathToFileURL(join(site, 'worker/engine.js')));
-  globalThis.onmessage({ data: { id: 1, text: '' } });
+  globalThis.onmessage({ data: { text: '' } });
   assert.match(asked[0], /\/engine\.wasm$/);
 });
 
@@ -122,9 +121,10 @@ test('a search reports its progress and finds the missing effect', async () => {
   const { events } = await send(worker, { command: 'search', seed: 1 });
   assert.match(events.find(({ event }) => event === 'found').sentence, /viscous-friction/);
   assert.ok(partial.length > 0);
-  for (const { id, text } of partial) {
+  for (const { text } of partial) {
+    const { id, events: steps } = JSON.parse(text);
     assert.equal(id, 1);
-    assert.ok(JSON.parse(text).events.every(({ event }) => event === 'progress'));
+    assert.ok(steps.every(({ event }) => event === 'progress'));
   }
 });
 

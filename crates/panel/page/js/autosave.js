@@ -28,18 +28,16 @@ const writer = random();
 
 /** @type {Entry | null} */
 let present = null;
-let changes = 0;
-let kept = 0;
-let timer = 0;
-let hasFailed = false;
-let queue = Promise.resolve();
+/** The number of changes, how many of them are kept, the timer of the next snapshot, whether one failed, and the last one. */
+let [changes, kept, timer, hasFailed, queue] = [0, 0, 0, false, Promise.resolve()];
 
 /** @type {Promise<IDBDatabase> | null} */
 let database = null;
 
-const result = (request) => new Promise((resolve, reject) => {
-  request.onsuccess = () => resolve(request.result);
-  request.onerror = () => reject(request.error);
+/** The result of a request, or the end of a transaction. */
+const result = (work) => new Promise((resolve, reject) => {
+  work.onsuccess = work.oncomplete = () => resolve(work.result);
+  work.onerror = work.onabort = ({ target }) => reject(target.error);
 });
 
 function connect() {
@@ -52,12 +50,7 @@ function connect() {
 async function transact(work) {
   database ??= connect();
   const transaction = (await database).transaction('patches', 'readwrite');
-  const done = new Promise((resolve, reject) => {
-    transaction.oncomplete = resolve;
-    transaction.onabort = () => reject(transaction.error);
-  });
-  const answer = work(transaction.objectStore('patches'));
-  await done;
+  const [, answer] = await Promise.all([result(transaction), work(transaction.objectStore('patches'))]);
   return answer;
 }
 
@@ -111,7 +104,7 @@ export async function keep() {
   return isKept();
 }
 
-export const isKept = () => kept === changes;
+const isKept = () => kept === changes;
 
 /** Whether the patch on the panel differs from its file. */
 export const isChanged = () => present !== null && state.patch.revision !== present.saved;
@@ -134,10 +127,10 @@ export function markSaved() {
  * have either patch.
  * @returns {Promise<boolean>} whether the session has done it
  */
-export async function replace(command, { id = random(), path = null, edited = false, isSaved = true, isEarlier = false } = {}) {
+export async function replace(command, fields, { id = random(), path = null, edited = false, isSaved = true, isEarlier = false } = {}) {
   const before = present;
   present = null;
-  if (!eventOf(await send(command), 'patch')) {
+  if (!eventOf(await send(command, fields), 'patch')) {
     present = before;
     return false;
   }
@@ -162,7 +155,7 @@ export async function restore(id, time) {
   });
   for (const { data } of row?.snapshots.reverse().filter((each) => !time || each.time === time) ?? []) {
     const snapshot = JSON.parse(await inflate(data, Infinity));
-    if (await replace({ command: 'restore', snapshot }, time ? { ...row, isSaved: false, isEarlier: true } : row)) return true;
+    if (await replace('restore', { snapshot }, time ? { ...row, isSaved: false, isEarlier: true } : row)) return true;
   }
   return false;
 }
@@ -182,14 +175,11 @@ export async function recent() {
 /** Deletes a kept patch. If it is on the panel, it is kept again after its next change. */
 export const forget = (id) => transact((rows) => { rows.delete(id); });
 
-/** Begins to keep patches. */
-export function mountAutosave() {
-  on('patch parameter scopes machine', changed);
-  on('link', () => { present = null; });
-  document.addEventListener('visibilitychange', keep);
-  addEventListener('beforeunload', (event) => {
-    if (isKept() || !isChanged()) return;
-    keep();
-    event.preventDefault();
-  });
-}
+on('patch parameter scopes machine', changed);
+on('link', () => { present = null; });
+document.addEventListener('visibilitychange', keep);
+addEventListener('beforeunload', (event) => {
+  if (isKept() || !isChanged()) return;
+  keep();
+  event.preventDefault();
+});

@@ -9,7 +9,7 @@ import { refusalOf, send, state } from './state.js';
 /** @param {any} board what board.js has */
 export function mountTools(board) {
   const { root, say } = board;
-  const { canvas, line, field, names, slider, choice, lock, palette, search, list } = board.parts;
+  const { canvas, changes, line, field, names, slider, choice, lock, palette, search, list } = board.parts;
 
   /** What a name can be: an output, an input by its name or its label, or an element with one input. */
   function named(text) {
@@ -31,7 +31,7 @@ export function mountTools(board) {
       return;
     }
     const { element, jack } = into;
-    const refused = refusalOf(await send({ command: isRemoval ? 'unplug' : 'plug', element, jack, from }));
+    const refused = refusalOf(await send(isRemoval ? 'unplug' : 'plug', { element, jack, from }));
     say(refused ?? `${isRemoval ? 'Removed the cord' : 'Plugged a cord'} from ${from} to ${element}.${jack}.`);
     if (!refused) field.value = '';
   }
@@ -76,7 +76,7 @@ export function mountTools(board) {
   async function add(kind) {
     palette.close();
     const before = new Set(state.patch.elements.map(({ name }) => name));
-    const refused = refusalOf(await send({ command: 'add-element', kind, name: null }));
+    const refused = refusalOf(await send('add-element', { kind }));
     await board.render();
     const made = state.patch.elements.find(({ name }) => !before.has(name))?.name;
     say(refused ?? `Added ${made}, ${kind}.`);
@@ -87,12 +87,10 @@ export function mountTools(board) {
   function setLock(isOn) {
     say('');
     canvas.dataset.lock = stored('board.lock', isOn);
-    lock.ariaPressed = isOn;
-    lock.textContent = isOn ? 'Unlock' : 'Lock';
-    for (const control of root.querySelectorAll('[data-do=add], [data-do=clear], .board-line > *')) control.disabled = isOn;
+    changes.disabled = lock.ariaPressed = isOn;
   }
   async function clear() {
-    if (!refusalOf(await send({ command: 'clear-cords' })))
+    if (!refusalOf(await send('clear-cords')))
       toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
   }
   const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };
@@ -126,6 +124,6 @@ export function mountTools(board) {
     if (!root.offsetParent) byId('tab-board').click();
     if (!board.isLocked()) action();
   };
-  bind('a', 'Add an element to the patch panel', visit(() => open()));
+  bind('A', 'Add an element to the patch panel', visit(() => open()));
   bind('/', 'Type a cord, such as B1 P1.in', visit(() => field.focus()));
 }

@@ -1,10 +1,12 @@
 /** One dial: a knob with a scale, and a field in which its value can be typed exactly. */
 
-import { fill, format, minus, parse, template, within } from './dom.js';
+import { changeDetector, decadeOf, fill, format, hasModifier, minus, parse, roundUp, template, within } from './dom.js';
 import { refusalOf } from './state.js';
 
 /** The angle from the top to an end of the scale of a dial of one turn, in degrees. */
 const SWEEP = 135;
+/** The value of one turn of a dial of many turns, and the decimals that such a dial resolves. */
+const [TURN, DECIMALS] = [0.1, 4];
 /** A turn of the wheel sooner after one elsewhere still scrolls the page, in milliseconds. */
 const SCROLLING = 400;
 
@@ -13,14 +15,8 @@ addEventListener('wheel', (event) => {
   if (!event.target.closest?.('.dial')) scrolled = event.timeStamp;
 }, { passive: true, capture: true });
 
-/** The next 1, 2 or 5 times a power of 10. */
-function roundUp(value) {
-  const decade = 10 ** Math.floor(Math.log10(value));
-  return Number((decade * [1, 2, 5, 10].find((step) => step * decade >= value * 0.999999)).toPrecision(12));
-}
-
 /** A scale. An end that the range does not give is near the value, and `extend` moves it. */
-function scaleOf({ range, whole, digits }) {
+function scaleOf({ range, isWhole, hasTurns }) {
   const floor = range?.[0] ?? -Infinity;
   const ceiling = range?.[1] ?? Infinity;
   const isClosed = ceiling - floor < 1e12;
@@ -41,14 +37,14 @@ function scaleOf({ range, whole, digits }) {
     },
     position: (value) => within(0, log ? Math.log(value / scale.low) / Math.log(scale.high / scale.low)
       : (value - scale.low) / (scale.high - scale.low), 1),
-    step: () => (whole ? 1 : 10 ** (digits ? -digits : Math.floor(Math.log10((scale.high - scale.low) / 2000)))),
+    step: () => (isWhole ? 1 : hasTurns ? 10 ** -DECIMALS : decadeOf((scale.high - scale.low) / 2000)),
     /** The value at a position, rounded to what the dial resolves. */
     value(position, fine) {
       const { low, high } = scale;
       if (position <= 0 || position >= 1) return position <= 0 ? low : high;
       const exact = log ? low * (high / low) ** position : low + (high - low) * position;
-      const grid = scale.step() * (fine && !whole && !digits ? 0.1 : 1);
-      return within(low, Number(log && !whole ? exact.toPrecision(fine ? 5 : 4) : (Math.round(exact / grid) * grid).toPrecision(12)), high);
+      const grid = scale.step() * (fine && !isWhole && !hasTurns ? 0.1 : 1);
+      return within(low, Number(log && !isWhole ? exact.toPrecision(fine ? 5 : 4) : (Math.round(exact / grid) * grid).toPrecision(12)), high);
     },
   };
   return scale;
@@ -60,9 +56,9 @@ function drawMarks(path, { log, low, high, position }, isLong) {
   if (!log) return;
   const [dashes, width] = [[], isLong ? 0.006 : 0.003];
   let end = 0;
-  for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; decade += 1) {
+  for (let decade = decadeOf(low); decade < high * 1.001; decade *= 10) {
     for (let factor = 1; factor < (isLong ? 2 : 10); factor += 1) {
-      const value = factor * 10 ** decade;
+      const value = factor * decade;
       if (value < low * 0.999 || value > high * 1.001) continue;
       const start = within(0, position(value) - width / 2, 1 - width);
       dashes.push(start - end, width);
@@ -80,35 +76,33 @@ function typed(text, unit) {
 }
 
 /**
- * Makes a dial. `show` gives it the value of the session. An absent end of the range grows. A dial of many turns has
- * the value of one turn, `perTurn`. `turned` is called once a frame and resolves with the events of the answer.
- * @param {{label: string, unit: string, range?: (number|null)[]|null, perTurn?: number, digits?: number, whole?: boolean,
- *   turned: (value: number) => Promise<any[]>, reset?: () => void, blocked?: () => void}} options
+ * Makes a dial, of many turns if it is that of a pot. `show` gives it the value of the session. An absent end of the range
+ * grows. `turned` is called once a frame and resolves with the events of the answer. `blocked` says why a locked dial does
+ * not turn.
+ * @param {{label: string, unit: string, range?: (number|null)[]|null, hasTurns?: boolean, isWhole?: boolean,
+ *   turned: (value: number) => Promise<any[]>, reset?: () => void, blocked?: () => string}} options
  */
 export function dial(options) {
-  const { label, perTurn, digits } = options;
+  const { label, hasTurns } = options;
   const unit = options.unit === '1' ? '' : options.unit ?? '';
   const scale = scaleOf(options);
-  const { node, knob, filled, long, short, turning, low, high, field, unitText, message } = template(perTurn ? 'dial-many' : 'dial');
-  let [shown, latest, position, open, ends, drag] = [NaN, undefined, 0, 0, '', null];
+  const { node, knob, filled, long, short, turning, low, high, field, unitText, message } = template(hasTurns ? 'dial-many' : 'dial');
+  const hasOtherEnds = changeDetector();
+  let [shown, latest, position, open, drag] = [NaN, undefined, 0, 0, null];
   let [isQueued, isEdited, isRefused, isLocked] = [false, false, false, false];
   unitText.textContent = unit;
 
-  const written = (value) => (digits ? value.toFixed(digits) : format(value, 6));
-  const note = (text) => {
-    message.textContent = text;
-    node.classList.toggle('is-refused', text !== '');
-  };
+  const written = (value) => (hasTurns ? value.toFixed(DECIMALS) : format(value, 6));
+  const note = (text) => { message.textContent = text; };
 
   function drawScale() {
-    if (ends === `${scale.low} ${scale.high}` || Number.isNaN(scale.low)) return;
-    ends = `${scale.low} ${scale.high}`;
+    if (Number.isNaN(scale.low) || !hasOtherEnds([scale.low, scale.high])) return;
     for (const [text, end, name] of [[low, scale.low, 'min'], [high, scale.high, 'max']]) {
       const short = format(end, 3);
       text.textContent = minus(short.length > 6 ? end.toExponential().replace('e+', 'e') : short);
       fill(knob, { [`aria-value${name}`]: end });
     }
-    if (perTurn) return;
+    if (hasTurns) return;
     drawMarks(long, scale, true);
     drawMarks(short, scale, false);
   }
@@ -121,7 +115,7 @@ export function dial(options) {
     const at = isKnown ? scale.position(value) : 0;
     const zero = scale.low < 0 && scale.high > 0 ? scale.position(0) : 0;
     fill(filled, { 'stroke-dasharray': `0 ${Math.min(at, zero)} ${Math.abs(at - zero)} 9` });
-    turning.style.transform = `rotate(${perTurn ? 360 * (value || 0) / perTurn : (2 * at - 1) * SWEEP}deg)`;
+    turning.style.transform = `rotate(${hasTurns ? 360 * (value || 0) / TURN : (2 * at - 1) * SWEEP}deg)`;
     if (!isEdited) field.value = isKnown ? written(value) : '';
     fill(knob, { 'aria-valuenow': value || 0, 'aria-valuetext': isKnown ? `${written(value)} ${unit}`.trim() : 'unknown' });
   }
@@ -158,7 +152,7 @@ export function dial(options) {
 
   /** Begins a turn, unless the dial is locked. */
   function mayTurn() {
-    if (isLocked) options.blocked?.();
+    if (isLocked) note(options.blocked());
     else {
       scale.extend(shown || 0, true);
       draw(shown || within(scale.low, 0, scale.high));
@@ -182,17 +176,17 @@ export function dial(options) {
       const { left, top, width, height } = knob.getBoundingClientRect();
       const centre = [left + width / 2, top + height / 2];
       // The cap is dragged up and down; the skirt or the scale is turned around.
-      const isAround = Math.hypot(event.clientX - centre[0], event.clientY - centre[1]) > width * (perTurn ? 0.18 : 0.28);
+      const isAround = Math.hypot(event.clientX - centre[0], event.clientY - centre[1]) > width * (hasTurns ? 0.18 : 0.28);
       drag = { centre, isAround, x: event.clientX, y: event.clientY };
     },
     onpointermove({ clientX, clientY, shiftKey }) {
       if (!drag) return;
       const { centre: [left, top], isAround, x, y } = drag;
       Object.assign(drag, { x: clientX, y: clientY });
-      let by = (y - clientY) / (perTurn ? 400 : 200);
+      let by = (y - clientY) / (hasTurns ? 400 : 200);
       if (isAround) {
         const angle = (Math.atan2(clientY - top, clientX - left) - Math.atan2(y - top, x - left)) * 180 / Math.PI;
-        by = ((angle + 540) % 360 - 180) / (perTurn ? 360 * (scale.high - scale.low) / perTurn : 2 * SWEEP);
+        by = ((angle + 540) % 360 - 180) / (hasTurns ? 360 * (scale.high - scale.low) / TURN : 2 * SWEEP);
       }
       position = within(0, position + by * (shiftKey ? 0.1 : 1), 1);
       turn(scale.value(position, shiftKey));
@@ -209,11 +203,11 @@ export function dial(options) {
       nudge((event.deltaY || event.deltaX) / (event.deltaMode ? -3 : -100) * (event.shiftKey ? 0.001 : 0.01), event.shiftKey);
     },
     onkeydown(event) {
-      const arrow = (perTurn ? 0.001 : 0.01) * (event.shiftKey ? 0.1 : 1);
+      const arrow = (hasTurns ? 0.001 : 0.01) * (event.shiftKey ? 0.1 : 1);
       const by = {
         ArrowUp: arrow, ArrowRight: arrow, ArrowDown: -arrow, ArrowLeft: -arrow, PageUp: 0.1, PageDown: -0.1, Home: -1, End: 1
       }[event.key];
-      if (!by || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (!by || hasModifier(event)) return;
       event.preventDefault();
       nudge(by, event.shiftKey);
     },
@@ -248,9 +242,7 @@ export function dial(options) {
   return {
     node, knob, show, note,
     lock(on) {
-      isLocked = field.readOnly = on;
-      node.classList.toggle('is-locked', on);
-      knob.ariaReadOnly = on;
+      isLocked = field.readOnly = knob.ariaReadOnly = on;
     },
   };
 }

@@ -4,7 +4,7 @@ const SVG = 'http://www.w3.org/2000/svg';
 
 /**
  * Sets attributes. A function for `onx` becomes a listener, `true` an empty attribute; false and null are left out.
- * @param {Element} element
+ * @param {Element | Document} element
  * @param {Record<string, any> | null} attributes
  * @param {any[]} children elements, texts and numbers; null and false are left out
  */
@@ -19,13 +19,43 @@ export function fill(element, attributes, children = []) {
 }
 
 /** Makes an HTML element. @returns {any} */
-export function el(tag, attributes, ...children) {
-  return fill(document.createElement(tag), attributes, children);
-}
+export const el = (tag, attributes, ...children) => fill(document.createElement(tag), attributes, children);
 
 /** Makes an SVG element. @returns {any} */
-export function svg(tag, attributes, ...children) {
-  return fill(document.createElementNS(SVG, tag), attributes, children);
+export const svg = (tag, attributes, ...children) => fill(document.createElementNS(SVG, tag), attributes, children);
+
+/** The texts that are there, in one. */
+export const joined = (texts, separator = ', ') => texts.filter(Boolean).join(separator);
+
+/** The first of a list that has a name. */
+export const named = (list, name) => list?.find((each) => each.name === name);
+
+/** Makes a function that returns whether its argument differs from that of its last call, as JSON. */
+export function changeDetector() {
+  let last;
+  return (value) => last !== (last = JSON.stringify(value));
+}
+
+/** Makes a function that returns whether so many milliseconds have passed since it returned true. */
+export function rateLimiter(period) {
+  let due = 0;
+  return (now = performance.now()) => {
+    const isDue = now >= due;
+    if (isDue) due = now + period;
+    return isDue;
+  };
+}
+
+/** Whether a key is pressed together with one that makes it a command of the browser. */
+export const hasModifier = ({ ctrlKey, metaKey, altKey }) => ctrlKey || metaKey || altKey;
+
+/** The power of 10 that is at most the value. */
+export const decadeOf = (value) => 10 ** Math.floor(Math.log10(value));
+
+/** The next 1, 2 or 5 times a power of 10. */
+export function roundUp(value) {
+  const decade = decadeOf(value);
+  return Number((decade * [1, 2, 5, 10].find((step) => step * decade >= value * 0.999999)).toPrecision(12));
 }
 
 /** The value, or the end of the range that is nearest. */
@@ -42,10 +72,23 @@ export function stored(name, value) {
   return localStorage.getItem(`patchcord.${name}`);
 }
 
-/** Hides the nodes that do not have all words of a text. */
+/** Copies a text. Pages without encryption have no clipboard, but can replace what is copied. Returns whether it is copied. */
+export async function copyText(text) {
+  if (await navigator.clipboard?.writeText(text).then(() => true, () => false)) return true;
+  document.oncopy = (event) => {
+    event.preventDefault();
+    event.clipboardData.setData('text/plain', text);
+  };
+  const isCopied = document.execCommand('copy');
+  document.oncopy = null;
+  return isCopied;
+}
+
+/** Hides the nodes that do not have all words of a text. Returns how many are shown. */
 export function filter(nodes, text) {
   const words = text.toLowerCase().split(/\s+/);
   for (const node of nodes) node.hidden = !words.every((word) => node.textContent.toLowerCase().includes(word));
+  return [...nodes].filter(({ hidden }) => !hidden).length;
 }
 
 /** The parts of an element by the names in `data-part`. @returns {Record<string, any>} */
@@ -59,8 +102,9 @@ export function template(id, texts = {}) {
   return { node, ...parts };
 }
 
-/** A copy of the drawing in a template, with more attributes. */
-export const shape = (id, attributes) => fill(byId(id).content.querySelector('svg > *').cloneNode(true), attributes);
+/** A copy of the drawing in a template, with more attributes and children. @returns {any} */
+export const shape = (id, attributes, ...children) =>
+  fill(byId(id).content.querySelector('svg > *').cloneNode(true), attributes, children);
 
 /** The attributes of a place of the patch panel that can have the focus, if it has a key. */
 export const keyed = (key) => key && { role: 'button', tabindex: -1, 'data-key': key };
@@ -76,9 +120,20 @@ export function float(box, x, y, width = innerWidth, height = innerHeight) {
   box.style.top = `${within(8, y, height - box.offsetHeight - 8)}px`;
 }
 
+/** Shows parts that were made from a template. Returns them. */
+export function place(parent, parts) {
+  parent.replaceChildren(...parts.map(({ node }) => node));
+  return parts;
+}
+
 /** A button with a text. */
-export function button(text, onclick, attributes) {
-  return el('button', { type: 'button', onclick, ...attributes }, text);
+export const button = (text, onclick, attributes) => el('button', { type: 'button', onclick, ...attributes }, text);
+
+/** Connects the buttons of a group. Returns a function that presses the button with a value, and no other one. */
+export function choice(id, run) {
+  const buttons = [...byId(id).children];
+  for (const each of buttons) each.onclick = () => run(each.value);
+  return (value) => { for (const each of buttons) each.ariaPressed = each.value === value; };
 }
 
 /** A number with at most this number of significant digits, in a form that a field accepts: "0.25", "1.2e-7". */
@@ -92,6 +147,9 @@ export function format(number, digits = 4) {
 /** A text of a number with a true minus sign. */
 export const minus = (text) => text.replace(/^-/, '−');
 
+/** A number with so many decimals. Zero has no sign. */
+export const fixed = (value, decimals) => minus((Number(value.toFixed(decimals)) || 0).toFixed(decimals));
+
 /** A number for reading, with its unit: "−1.5 m", "1.2·10⁻⁷ kg", "20 µs". The unit "1" is left out. */
 export function quantity(value, unit = '', digits = 4) {
   if (!Number.isFinite(value)) return '—';
@@ -103,6 +161,9 @@ export function quantity(value, unit = '', digits = 4) {
   const raised = exponent ? `·10${exponent.replace(/./g, (sign) => '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign] ?? '⁻')}` : '';
   return `${minus(mantissa)}${raised}${name && '\u202f'}${name}`;
 }
+
+/** Whether an element or what is in it has the focus. */
+export const hasFocus = (element) => element.contains(document.activeElement);
 
 /** The number in a field, or null. A decimal comma and a true minus sign are accepted. */
 export function parse(text) {

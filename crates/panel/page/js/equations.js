@@ -1,12 +1,13 @@
 /** The equations that the wiring solves, and those that the patch states. Every quantity in them is a button. */
 
-import { button, el, fill, partsOf, quantity } from './dom.js';
+import { button, byId, changeDetector, copyText, el, fill, named, partsOf, quantity } from './dom.js';
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { ask, emit, highlight, on, state } from './state.js';
 
+const root = byId('equations');
 /** The Greek letters by their names, from index.html. */
-const letters = new Map();
+const letters = new Map(Object.entries(JSON.parse(root.dataset.letters)));
 /** A number, a name with its primes or with the parenthesis of a function, or a sign. */
 const TOKEN = /\d+(?:\.\d+)?(?:e[+-]?\d+)?|[\p{L}_][\p{L}\d_.]*(?:'+|\()?|\S/gu;
 const PRIMES = ['', '′', '″', '‴'];
@@ -14,9 +15,8 @@ const PRIMES = ['', '′', '″', '‴'];
 /** What a name in an equation is: `{output}`, `{parameter}`, or nothing. */
 function meaning(name) {
   const { parameters = [], signals, outputs } = state.patch ?? {};
-  if (parameters.some((each) => each.name === name)) return { parameter: name };
-  const output = signals?.find((each) => each.name === name)?.at
-    ?? outputs?.find((each) => [name, `${name}.out`].includes(each.name))?.name;
+  if (named(parameters, name)) return { parameter: name };
+  const output = named(signals, name)?.at ?? (named(outputs, name) ?? named(outputs, `${name}.out`))?.name;
   return output && { output };
 }
 
@@ -46,12 +46,13 @@ const operator = (sign) => [span('op', ` ${sign}`), '\u00a0'];
  */
 function formula(text) {
   const tokens = text.match(TOKEN) ?? [];
+  const fail = () => { throw new Error(`This is no formula: ${text}`); };
   /** Takes the next token if it is this one. */
   const take = (sign) => tokens[0] === sign && tokens.shift();
   const list = () => {
     const items = sum();
     while (take(',')) items.push(span('op', ', '), ...sum());
-    if (!take(')')) throw new Error('expected )');
+    if (!take(')')) fail();
     return items;
   };
   /** An atom. `inner` is what is in parentheses that a fraction or a bar makes needless. */
@@ -62,7 +63,7 @@ function formula(text) {
       return { nodes: ['(', ...inner, ')'], inner };
     }
     if (/^\d/u.test(token)) return { nodes: [quantity(Number(token), '', 12)], isNumber: true };
-    if (!/^[\p{L}_]/u.test(token)) throw new Error('expected a value');
+    if (!/^[\p{L}_]/u.test(token)) fail();
     const name = token.replace(/'+$|\($/u, '');
     const primes = token.length - name.length;
     if (token === 'abs(') return { nodes: ['|', ...list(), '|'] };
@@ -102,7 +103,7 @@ function formula(text) {
     return nodes;
   };
   const nodes = sum();
-  if (tokens.length) throw new Error('more follows');
+  if (tokens.length) fail();
   return nodes;
 }
 
@@ -128,47 +129,49 @@ function equation(text) {
   return [...set(left), ...operator('='), ...value];
 }
 
-/** Shows the equations. @param {HTMLElement} root */
-export function mountEquations(root) {
-  const { message, body, copyText, copyLatex, solved, more, unplaced, stated } = partsOf(root);
-  for (const [, name, letter] of root.dataset.letters.matchAll(/(\S+) (\S+)/g)) letters.set(name, letter);
-  const copy = (text) => navigator.clipboard.writeText(text).then(() => toast('The equations are copied.', 'note'),
-    () => toast('The browser does not permit copying.'));
-  copyText.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
-  copyLatex.onclick = () => copy(state.equations.latex);
-  const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));
-  const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' },
-    el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
-  const show = async () => {
-    const { equations: view, findings } = state;
-    if (!view) return;
-    message.textContent = view.message;
-    if (view.message) return;
-    const faults = findings.filter(({ code }) => code === 'equation-not-solved');
-    const lines = faults.length ? (await ask('text'))?.text.split('\n') : null;
-    // A finding says where its equation is in the text of the patch.
-    const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
-    solved.replaceChildren(...view.equations.map(({ text }) => row(text)));
-    more.textContent = view.more.trim();
-    unplaced.replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
-    stated.replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
-  };
-  // A knob that is turned changes no name, so that the buttons stay and keep the focus.
-  let drawn = '';
-  const refresh = () => {
-    const { patch, equations, findings } = state;
-    const names = ['parameters', 'signals', 'outputs'].map((list) => patch?.[list].map(({ name, at }) => [name, at]));
-    const text = JSON.stringify([equations, names, findings]);
-    if (text !== drawn) show();
-    drawn = text;
-  };
-  on('equations findings patch', refresh);
-  const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
-  const leave = () => emit('pointed', {});
-  fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
-  on('pointed', ({ output, parameter }) => {
-    for (const node of body.querySelectorAll('.eq-name')) {
-      node.classList.toggle('lit', output ? node.dataset.output === output : parameter && node.dataset.parameter === parameter);
-    }
-  });
+const { message, body, plain, latex, solved, more, unplaced, stated } = partsOf(root);
+
+async function copy(text) {
+  if (await copyText(text)) toast('The equations are copied.', 'note');
+  else toast('The browser does not permit copying.');
 }
+
+plain.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));
+latex.onclick = () => copy(state.equations.latex);
+
+const fault = ({ message: text, hint }) => el('p', { class: 'eq-fault' }, el('strong', null, 'Error'), ` ${text}. `, span(null, hint));
+const row = (text, faults = []) => el('li', { class: faults.length && 'eq-wrong' },
+  el('div', { class: 'eq-row' }, equation(text)), faults.map(fault));
+
+async function show() {
+  const { equations: view, findings } = state;
+  if (!view) return;
+  message.textContent = view.message;
+  if (view.message) return;
+  const faults = findings.filter(({ code }) => code === 'equation-not-solved');
+  const lines = faults.length ? (await ask('text'))?.text.split('\n') : null;
+  // Other findings have come meanwhile, and are shown.
+  if (findings !== state.findings) return;
+  // A finding says where its equation is in the text of the patch.
+  const isOf = (text) => ({ line, column }) => lines?.[line - 1]?.slice(column - 1).startsWith(JSON.stringify(text));
+  solved.replaceChildren(...view.equations.map(({ text }) => row(text)));
+  more.textContent = view.more.trim();
+  unplaced.replaceChildren(...faults.filter((each) => !view.stated.some((text) => isOf(text)(each))).map(fault));
+  stated.replaceChildren(...view.stated.map((text) => row(text, faults.filter(isOf(text)))));
+}
+
+// A knob that is turned changes no name, so that the buttons stay and keep the focus.
+const hasOtherContent = changeDetector();
+on('equations findings patch', () => {
+  const { patch, equations, findings } = state;
+  const names = ['parameters', 'signals', 'outputs'].map((list) => patch?.[list].map(({ name, at }) => [name, at]));
+  if (hasOtherContent([equations, names, findings])) show();
+});
+const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
+const leave = () => emit('pointed', {});
+fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
+on('pointed', ({ output, parameter }) => {
+  for (const node of body.querySelectorAll('.eq-name')) {
+    node.classList.toggle('lit', output ? node.dataset.output === output : parameter && node.dataset.parameter === parameter);
+  }
+});

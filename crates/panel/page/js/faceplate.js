@@ -1,6 +1,6 @@
 /** The faceplate of a machine: where its modules and jacks are, and their picture. */
 
-import { keyed, quantity, shape, svg } from './dom.js';
+import { joined, keyed, named, quantity, shape, svg } from './dom.js';
 import { read } from './resources.js';
 
 const [PITCH, ROW, PAD, GAP, MARGIN, HEAD] = [28, 46, 9, 14, 24, 44];
@@ -17,7 +17,7 @@ function fill(plate, { elements, outputs, parts }, kinds) {
   const sections = plate.sections.map((row) => ({ ...row, modules: [] }));
   for (const { name: output } of outputs) if (output in plate.references) sections.find((row) => row.references).modules.push({ output });
   for (const element of elements) {
-    const needs = kinds.find(({ name }) => name === element.kind)?.parts ?? [];
+    const needs = named(kinds, element.kind)?.parts ?? [];
     const home = sections.find((row) => row.kinds?.includes(element.kind) || row.family === element.family)
       ?? sections.find(({ part }) => needs.includes(part)) ?? sections.at(-1);
     home.modules.push({ element });
@@ -43,7 +43,7 @@ function connect(module, { jacks: own = {}, out: [left, top] }) {
   const holes = Object.keys(own).map((name) => ({ name, label: name.slice(1), description: '', most: null, cords: [] }));
   const views = element ? [...element.jacks] : output ? [] : holes;
   // Every gain of a summing input at the faceplate can be used.
-  if (element && views.some(isGain)) views.push(...holes.filter((hole) => isGain(hole) && !views.some(({ name }) => name === hole.name)));
+  if (element && views.some(isGain)) views.push(...holes.filter((hole) => isGain(hole) && !named(views, hole.name)));
   module.jacks = views.map((view) =>
     ({ type: 'in', element: element?.name, jack: view.name, view, x: own[view.name]?.[0], y: own[view.name]?.[1] }));
   let [x, y] = [20, top];
@@ -115,7 +115,7 @@ function caption({ kind, settings }, name) {
   const rows = [['initial', 'IC'], ['limit.upper', '≤'], ['limit.lower', '≥']].filter(([key]) => set[key])
     .map(([key, sign]) => `${sign} ${quantity(set[key].value, 'V')}`);
   const words = settings.filter(({ form, value }) => form === 'choice' && value !== null).map((one) => one.words[one.value]);
-  return [name, ...rows, ...words, kind === 'key-switch' && (set.closed?.value ? 'closed' : 'open')].filter(Boolean).join(' · ');
+  return joined([name, ...rows, ...words, kind === 'key-switch' && (set.closed?.value ? 'closed' : 'open')], ' · ');
 }
 
 const move = ([x, y]) => ({ transform: `translate(${x} ${y})` });
@@ -156,7 +156,7 @@ export function draw(plate, patch, kinds) {
     });
     const line = element ? caption(element, section.add !== element.kind && element.kind.replaceAll('-', ' ')) : helps && `of ${helps}`;
     const pot = knob && shape('pot', { 'data-knob': element?.name, ...move(knob) });
-    const setting = element?.settings.find(({ name }) => name === 'setting')?.value ?? 0;
+    const setting = named(element?.settings, 'setting')?.value ?? 0;
     pot?.lastElementChild.setAttribute('transform', `rotate(${300 * setting - 150})`);
     return svg('g', { class: `module${element || output ? '' : helps ? ' is-helper' : ' is-free'}` },
       svg('g', move(at), face,

@@ -1,10 +1,9 @@
 /** Opening, saving, and what the page begins with. */
 
-import { isChanged, keep, markSaved, mountAutosave, replace, restore, resume } from './autosave.js';
-import { byId, el, root } from './dom.js';
+import { isChanged, keep, markSaved, replace, restore, resume } from './autosave.js';
+import { byId, el, fill, joined, named, root } from './dom.js';
 import { pieces, showGallery } from './gallery.js';
-import { bind } from './keys.js';
-import { token } from './link.js';
+import { tokenQuery } from './link.js';
 import { toast } from './messages.js';
 import { read } from './resources.js';
 import { baseName, share, takeLink, textOf } from './share.js';
@@ -13,10 +12,6 @@ import { ask, emit, on, send, state } from './state.js';
 /** The largest file in bytes, as for the command. */
 const LARGEST_FILE = 16e6;
 
-/** Puts the path of a patch of the gallery into the address, or none. */
-function setAddress(path = '') {
-  history.replaceState(null, '', location.pathname + (path && `?patch=${path}`));
-}
 
 /** Opens something. A fault becomes a message. @returns {Promise<boolean>} whether it is open */
 const attempt = (open) => open().catch((fault) => {
@@ -24,13 +19,13 @@ const attempt = (open) => open().catch((fault) => {
   return false;
 });
 
-async function openBy(command, path) {
-  const isOpen = await replace(command, { path });
+async function openBy(command, fields, path) {
+  const isOpen = await replace(command, fields, { path });
   if (isOpen) root.dataset.first = '';
   return isOpen;
 }
 
-const openText = (name, text, path) => openBy({ command: 'open', name, text }, path);
+const openText = (name, text, path) => openBy('open', { name, text }, path);
 
 /** Keeps the present patch, or asks before its changes are lost. @returns {Promise<boolean>} whether to continue */
 async function mayReplace() {
@@ -38,12 +33,23 @@ async function mayReplace() {
     || confirm(`“${state.patch.title || state.patch.file}” has changes that are not saved. Replace it?`);
 }
 
+/**
+ * Opens another patch in the place of the present one, and puts its path in the gallery, if any, into the address.
+ * @returns {Promise<boolean>} whether it is open
+ */
+const change = (open, path = '') => attempt(async () => {
+  const isOpen = await mayReplace() && await open();
+  if (isOpen) history.replaceState(null, '', location.pathname + (path && `?patch=${path}`));
+  return isOpen;
+});
+
 const isData = ({ name }) => /\.(csv|tsv|txt)$/i.test(name);
 
 const openFile = (file) => attempt(async () => {
-  const text = await textOf(file.stream(), LARGEST_FILE, `The file ${file.name}`);
-  if (isData(file)) emit('data', { name: file.name, text });
-  else if (await mayReplace() && await openText(file.name, text)) setAddress();
+  const { name } = file;
+  const text = await textOf(file.stream(), LARGEST_FILE, `The file ${name}`);
+  if (isData(file)) emit('data', { name, text });
+  else await change(() => openText(name, text));
 });
 
 /** Opens files: the patch first, because measured data are compared with it. */
@@ -52,14 +58,9 @@ async function openFiles(files) {
 }
 
 function chooseMachine() {
-  const isPresent = ({ name }) => name === state.patch?.machine;
-  byId('machine').replaceChildren(...(state.hello?.machines ?? []).map((each) =>
-    new Option(each.title || each.name, each.name, false, isPresent(each))));
+  machine.replaceChildren(...(state.hello?.machines ?? []).map(({ name, title }) => new Option(title || name, name)));
+  machine.value = state.patch?.machine;
   byId('new-dialog').showModal();
-}
-
-async function create() {
-  if (await mayReplace() && await replace({ command: 'new', machine: byId('machine').value || null })) setAddress();
 }
 
 /** Gives the user a file. */
@@ -76,29 +77,24 @@ async function save() {
   markSaved();
 }
 
-function mountDrop() {
-  const hasFile = ({ dataTransfer }) => dataTransfer?.types.includes('Files');
-  const show = (isOver) => root.toggleAttribute('data-dropping', isOver);
-  addEventListener('dragover', (event) => {
+const hasFile = ({ dataTransfer }) => dataTransfer?.types.includes('Files');
+const show = (isOver) => root.toggleAttribute('data-dropping', isOver);
+fill(document, {
+  ondragover(event) {
     if (!hasFile(event)) return;
     event.preventDefault();
     show(true);
-  });
-  addEventListener('dragleave', ({ relatedTarget }) => { if (relatedTarget === null) show(false); });
-  addEventListener('drop', (event) => {
+  },
+  ondragleave: ({ relatedTarget }) => { if (relatedTarget === null) show(false); },
+  ondrop(event) {
     show(false);
-    // A view that takes files of its own has handled the event.
-    if (!hasFile(event) || event.defaultPrevented) return;
+    if (!hasFile(event)) return;
     event.preventDefault();
     openFiles(event.dataTransfer.files);
-  });
-}
+  },
+});
 
-async function textAt(path, url = new URL(path, document.baseURI)) {
-  const answer = await read(path, url).catch(() => null);
-  if (!answer?.ok) throw new Error(`There is no file at ${url.pathname}. Check the address.`);
-  return textOf(answer.body, LARGEST_FILE, 'The file');
-}
+const textAt = async (path, url) => textOf((await read(path, url)).body, LARGEST_FILE, 'The file');
 
 /** Opens a file in the folder of the page or below it. */
 async function openBelow(path, piece) {
@@ -113,7 +109,7 @@ async function openBelow(path, piece) {
 /** Opens a patch of the gallery with its measured data, or a file in the folder of the panel or below it. */
 async function openAt(name) {
   const piece = (await pieces()).find(({ path }) => path === name);
-  if (!piece) return state.host?.kind === 'server' ? openBy({ command: 'open-file', name }) : openBelow(name);
+  if (!piece) return state.host?.kind === 'server' ? openBy('open-file', { name }) : openBelow(name);
   const { data, experiment } = piece;
   const text = data && await textAt(`patches/${data}`);
   const isOpen = await openBelow(`patches/${name}`, name);
@@ -135,17 +131,15 @@ async function openLink() {
 async function openGiven() {
   const { patch, text } = state.host ?? {};
   if (!patch) return false;
-  return openText(patch, text ?? await textAt('patch', new URL(`patch?token=${encodeURIComponent(token())}`, document.baseURI)));
+  return openText(patch, text ?? await textAt('patch', new URL(`patch${tokenQuery()}`, document.baseURI)));
 }
 
 const GALLERY = {
   /** One click opens a patch and runs it. */
-  open: (path) => attempt(async () => {
-    if (!await mayReplace() || !await openAt(path)) return;
-    setAddress(path);
-    send({ command: 'mode', mode: 'operate' });
-  }),
-  restore: (id, time) => attempt(async () => { if (await mayReplace() && await restore(id, time)) setAddress(); }),
+  async open(path) {
+    if (await change(() => openAt(path), path)) send('mode', { mode: 'operate' });
+  },
+  restore: (id, time) => change(() => restore(id, time)),
 };
 
 /** Brings the first patch. If nothing names one, the gallery opens. */
@@ -154,36 +148,35 @@ export async function begin() {
   for (const open of [openLink, resume, openNamed, openGiven]) {
     if (await attempt(open)) return;
   }
-  await replace({ command: 'new', machine: null });
+  await replace('new');
   if (!isNamed) showGallery(GALLERY);
 }
 
-/** The title of the window has a mark while the patch differs from its file. */
-function mark() {
+/** Shows the title of the patch, with a mark while the patch differs from its file. */
+function showTitle() {
+  const { title, file, source, note, machine: type } = state.patch;
+  const name = title || file || 'New patch';
+  byId('title').textContent = byId('title').title = name;
+  byId('subtitle').textContent = joined([file !== name && file, named(state.hello?.machines, type)?.title || type], ' · ');
+  byId('about-text').textContent = joined([note, source], '\n\n');
   root.toggleAttribute('data-changed', isChanged());
-  document.title = (isChanged() ? '• ' : '') + document.title.replace(/^• /, '');
+  document.title = `${isChanged() ? '• ' : ''}${name} – patchcord`;
 }
 
-/** Connects the buttons and the page. */
-export function mountFiles() {
-  const input = byId('file');
-  const choose = () => input.click();
-  input.onchange = () => {
-    openFiles(input.files);
-    // The same file can be opened again after a change.
-    input.value = '';
-  };
-  byId('create').onclick = create;
-  for (const [id, key, text, run] of [['gallery', 'g', 'Gallery', () => showGallery(GALLERY)], ['new', null, null, chooseMachine],
-    ['open', 'Ctrl+O', 'Open a patch or data', choose], ['save', 'Ctrl+S', 'Save the patch', save], ['share', null, null, share]]) {
-    byId(id).onclick = run;
-    if (key) bind(key, text, run);
-  }
-  mountDrop();
-  mountAutosave();
-  for (const name of ['patch', 'saved']) on(name, mark);
-  addEventListener('hashchange', () => {
-    token();
-    attempt(openLink);
-  });
-}
+const [input, machine] = [byId('file'), byId('machine')];
+input.onchange = () => {
+  openFiles(input.files);
+  // The same file can be opened again after a change.
+  input.value = '';
+};
+const actions = {
+  save, share, new: chooseMachine, create: () => change(() => replace('new', { machine: machine.value || null })),
+  open: () => input.click(), gallery: () => showGallery(GALLERY),
+};
+for (const [id, run] of Object.entries(actions)) byId(id).onclick = run;
+on('patch saved', showTitle);
+addEventListener('hashchange', () => {
+  // A token in the address is kept.
+  tokenQuery();
+  attempt(openLink);
+});

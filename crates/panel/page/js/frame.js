@@ -41,10 +41,11 @@ export function decode(buffer) {
 
   if (u32() !== 0x31464350) throw new Error('The data of the machine are not a frame.');
   const frame = { revision: u32(), time: f64(), factor: f64() };
-  const [mode, flags, lamp] = [view.getUint8(at), view.getUint8(at + 1), view.getUint16(at + 2, true)];
-  at += 4;
-  ['moves', 'paused', 'overload', 'stopped'].forEach((name, bit) => { frame[name] = (flags >> bit & 1) > 0; });
-  Object.assign(frame, { mode: MODES[mode], firstLamp: lamp ? lamp - 1 : null, repetitions: u32(), meter: volts(), nullMeter: volts() });
+  // Four bytes: the mode, flags, and two for the lamp that lit first.
+  const word = u32();
+  const lamp = word >>> 16;
+  ['moves', 'paused', 'overload', 'stopped'].forEach((name, bit) => { frame[name] = ((word >> (8 + bit)) & 1) > 0; });
+  Object.assign(frame, { mode: MODES[word & 255], firstLamp: lamp ? lamp - 1 : null, repetitions: u32(), meter: volts(), nullMeter: volts() });
   const outputs = u32();
   frame.volts = floats(outputs);
   frame.lamps = new Uint8Array(buffer, at, outputs);

@@ -15,7 +15,7 @@ let list = null;
 
 /** The shipped patches. */
 export function pieces() {
-  list ??= read('gallery.json').then((answer) => (answer.ok ? answer.json() : [])).catch(() => []);
+  list ??= read('gallery.json').then((answer) => answer.json()).catch(() => []);
   return list;
 }
 
@@ -66,9 +66,8 @@ function keptCard({ id, title, file, time, path, snapshots }, all, restore) {
 
 /** Shows the cards that have all words. */
 search.oninput = () => {
-  filter(body.querySelectorAll('li'), search.value);
-  for (const section of body.children) section.hidden = !section.querySelector('li:not([hidden])');
-  status.textContent = search.value.trim() && `${body.querySelectorAll('li:not([hidden])').length} found`;
+  const count = filter(body.querySelectorAll('li'), search.value);
+  status.textContent = search.value.trim() && `${count} found`;
 };
 
 /** Opens the gallery. @param {{open: (path: string) => void, restore: (id: string, time?: number) => void}} actions */
@@ -78,7 +77,7 @@ export async function showGallery({ open, restore }) {
   if (dialog.open) return;
   const sections = { Recent: kept.map((row) => keptCard(row, all, restore)) };
   for (const piece of all) (sections[piece.group] ??= []).push(pieceCard(piece, open));
-  body.replaceChildren(...Object.entries(sections).filter(([, cards]) => cards.length).map(([name, cards]) =>
+  body.replaceChildren(...Object.entries(sections).map(([name, cards]) =>
     el('section', { 'aria-label': name }, el('h3', null, name), el('ul', null, cards))));
   search.value = status.textContent = '';
   dialog.showModal();

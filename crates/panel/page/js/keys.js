@@ -1,23 +1,27 @@
 /** Keys of the page. The table that carries them out is also the list that the page shows. */
 
-import { byId, el, stored, template } from './dom.js';
-import { cancelProbe } from './state.js';
+import { byId, el, place, stored, template } from './dom.js';
+import { selectProbe } from './state.js';
 
-/** @type {{key: string, text: string, run: (event: KeyboardEvent) => void}[]} */
+/** @type {{key: string, text: string | undefined, run: (event: KeyboardEvent) => void, button?: HTMLElement}[]} */
 const table = [];
 
 /**
- * Adds a key: "o", "?", "Space", "Ctrl+S", "Ctrl+Shift+Z".
- * @param {string} text what it does, for the list
+ * Adds a key: "O", "?", "Space", "Ctrl+S", "Ctrl+Shift+Z".
+ * @param {string | undefined} text what it does, for the list, unless another row says so
+ * @param {(event: KeyboardEvent) => void} run
  */
-export function bind(key, text, run) {
-  table.push({ key, text, run });
+export const bind = (key, text, run, button) => table.push({ key, text, run, button });
+
+// The keys of buttons are in index.html.
+for (const button of document.querySelectorAll('[aria-keyshortcuts]')) {
+  for (const key of button.ariaKeyShortcuts.split(' ')) bind(key.replace('Control', 'Ctrl'), button.dataset.action, () => button.click(), button);
 }
 
 /** The name of a pressed key as `bind` has it. */
 function nameOf({ key, ctrlKey, metaKey, shiftKey }) {
   if (ctrlKey || metaKey) return `Ctrl+${shiftKey ? 'Shift+' : ''}${key.toUpperCase()}`;
-  return key === ' ' ? 'Space' : key.length === 1 ? key.toLowerCase() : key;
+  return key === ' ' ? 'Space' : key.length === 1 ? key.toUpperCase() : key;
 }
 
 /** Whether the key belongs to the control that has the focus. */
@@ -32,29 +36,25 @@ function isTaken({ target, key, defaultPrevented, altKey, isComposing }, name) {
 const areLettersOff = () => stored('letters-off') === 'true';
 
 function pressed(event) {
-  if (event.key === 'Escape') cancelProbe();
+  if (event.key === 'Escape') selectProbe(null);
   const name = nameOf(event);
-  const row = table.find(({ key }) => key === name);
+  // Two views can have the same key.
+  const row = table.find(({ key, button }) => key === name && !button?.closest('[hidden]'));
   if (!row || isTaken(event, name) || (!name.startsWith('Ctrl+') && name !== '?' && areLettersOff())) return;
   event.preventDefault();
   row.run(event);
 }
 
-/** Starts to listen. */
-export function startKeys() {
-  const [dialog, letters] = [byId('key-list'), byId('letters')];
-  const showList = () => {
-    dialog.querySelector('dl').replaceChildren(...table.map(({ key, text }) => {
-      const { node, keys } = template('key', { text });
-      keys.append(...key.split(/\b\+/).map((part) => el('kbd', null, part.length === 1 ? part.toUpperCase() : part)));
-      return node;
-    }));
-    dialog.showModal();
-  };
-  // Speech input can set off single letters by accident, so that they can be switched off.
-  letters.checked = !areLettersOff();
-  letters.onchange = () => stored('letters-off', !letters.checked);
-  bind('?', 'Show this list', showList);
-  document.addEventListener('keydown', pressed);
-  byId('keys').onclick = showList;
-}
+const [dialog, letters] = [byId('key-list'), byId('letters')];
+byId('keys').onclick = () => {
+  place(dialog.querySelector('dl'), table.filter(({ text }) => text).map(({ key, text }) => {
+    const { node, keys } = template('key', { text });
+    keys.append(...key.split(/\b\+/).map((part) => el('kbd', null, part)));
+    return { node };
+  }));
+  dialog.showModal();
+};
+// Speech input can set off single letters by accident, so that they can be switched off.
+letters.checked = !areLettersOff();
+letters.onchange = () => stored('letters-off', !letters.checked);
+document.addEventListener('keydown', pressed);

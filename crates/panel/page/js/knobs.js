@@ -1,8 +1,8 @@
 /** The controls of the patch: parameters, pots, switches, initial conditions and other settings. */
 
 import { dial } from './dial.js';
-import { byId, filter, template, write } from './dom.js';
-import { highlight, on, refusalOf, send, state } from './state.js';
+import { byId, changeDetector, filter, hasFocus, named, template, write } from './dom.js';
+import { highlight, on, outputOf, refusalOf, send, state } from './state.js';
 
 /** With more controls than this there is a field that filters them. */
 const FILTERED = 12;
@@ -35,15 +35,14 @@ function isShown({ kind }, { form, name, text }) {
 }
 
 /** The control of a setting. */
-function ofSetting(element, view, patch) {
+function ofSetting(element, view) {
   const place = { element: element.name, setting: view.name };
   const isPot = view.name === 'setting';
-  const output = patch.outputs.find(({ name }) => name === element.outputs[0]);
   return {
     key: keyOf(place), place, view,
     title: isPot || view.form === 'flag' ? element.name : `${element.name} ${view.name}`,
     about: element.note || (isPot ? '' : view.description),
-    unit: { 'unit of the scale': output?.unit, 'whole number': '' }[view.unit] ?? view.unit,
+    unit: { 'unit of the scale': outputOf(element.outputs[0])?.unit, 'whole number': '' }[view.unit] ?? view.unit,
   };
 }
 
@@ -54,7 +53,7 @@ function take(patch) {
     return { key: keyOf(place), place, view, title: view.name, about: view.description, unit: view.unit };
   });
   controls = [...parameters, ...patch.elements.flatMap((element) => element.settings.filter((view) => isShown(element, view))
-    .map((view) => ofSetting(element, view, patch)))];
+    .map((view) => ofSetting(element, view)))];
   const file = `${patch.file}\n${patch.title}`;
   if (patch.undo === null || file !== openedFile) opened.clear();
   if (file !== openedFile) unlocked.clear();
@@ -75,20 +74,18 @@ function show(found, mark) {
   for (const { node } of cards.values()) node.classList.remove('is-marked', 'is-lit');
   for (const { node } of found) node.classList.add(mark);
   const first = found[0]?.node;
-  if (!first || first.contains(document.activeElement)) return;
+  if (!first || hasFocus(first)) return;
   first.closest('details').open = true;
-  first.scrollIntoView({ block: 'nearest', behavior: 'smooth' });
+  first.scrollIntoView({ block: 'nearest' });
 }
 
 /** Puts a dial on a card, with the formula behind it or the elements that it turns. Returns how it is updated. */
 function dialOn({ control, lines, law, unlock, turns }, { key, place, title, about, unit, view }, set, reset) {
-  const isPot = place.setting === 'setting';
   let present = view;
   const knob = dial({
-    label: about ? `${title}, ${about}` : title, unit, range: view.range, whole: view.unit === 'whole number', turned: set, reset,
-    perTurn: isPot ? 0.1 : 0, digits: isPot ? 4 : 0,
-    blocked: () =>
-      knob.note(`A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`),
+    label: about ? `${title}, ${about}` : title, unit, range: view.range, turned: set, reset,
+    isWhole: view.unit === 'whole number', hasTurns: place.setting === 'setting',
+    blocked: () => `A formula sets it. ${present.parameters.length ? `Turn ${present.parameters.join(' or ')}, or unlock` : 'Unlock'} it.`,
   });
   control.replaceWith(knob.node);
   law.onclick = () => {
@@ -118,10 +115,9 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
 }
 
 /** Puts a toggle switch or a list of words on a card. Returns how it is updated. */
-function switchOn({ control, lines }, { title, view }, set) {
+function switchOn({ control }, { title, view }, set) {
   const { node, list, toggle, word, message } = template('switch');
   control.replaceWith(node);
-  lines.remove();
   const change = async (value) => { message.textContent = refusalOf(await set(value)) ?? ''; };
   list.ariaLabel = title;
   list.append(...(view.words ?? []).map((each) => new Option(each)));
@@ -139,7 +135,7 @@ function switchOn({ control, lines }, { title, view }, set) {
 /** A card with the title of a control, the control, and a button that resets it. */
 function cardOf(control) {
   const { key, place, title, about, view } = control;
-  const set = (value) => send(place.parameter ? { command: 'parameter', name: title, value } : { command: 'setting', ...place, value });
+  const set = (value) => (place.parameter ? send('parameter', { name: title, value }) : send('setting', { ...place, value }));
   const reset = () => set(opened.get(key));
   const parts = template('knob', { title, about });
   const { node, back } = parts;
@@ -160,48 +156,43 @@ function cardOf(control) {
 /** A second control for the pot with this output, if there is such a pot. */
 export function potCard(output, patch) {
   const element = patch.elements.find(({ outputs }) => outputs.includes(output));
-  const settingOf = (one) => one?.settings.find(({ name }) => name === 'setting');
-  if (!settingOf(element)) return null;
-  const { node, update } = cardOf(ofSetting(element, settingOf(element), patch));
+  const setting = named(element?.settings, 'setting');
+  if (!setting) return null;
+  const { node, update } = cardOf(ofSetting(element, setting));
   const refresh = (present) => {
-    const view = settingOf(present.elements.find(({ name }) => name === element.name));
+    const view = named(named(present.elements, element.name)?.settings, 'setting');
     if (view) update(view, present);
   };
   refresh(patch);
   return { node, refresh };
 }
 
-/** Shows the controls of the patch. */
-export function mountKnobs() {
-  const [search, root] = [byId('knob-filter'), byId('knob-groups')];
-  let drawn = '';
-  const build = () => {
-    cards.clear();
-    for (const control of controls) cards.set(control.key, cardOf(control));
-    [...root.children].forEach((group, at) => {
-      const own = controls.filter((control) => control.group === at).map(({ key }) => cards.get(key).node);
-      group.querySelector('small').textContent = own.length;
-      group.lastChild.replaceChildren(...own);
-      group.open = at !== BY_PARAMETERS;
-    });
-    search.value = '';
-    search.hidden = controls.length <= FILTERED;
-    search.oninput();
-  };
-  search.oninput = () => {
-    filter(root.querySelectorAll('.knob'), search.value);
-    for (const group of root.children) {
-      group.hidden = !group.querySelector('.knob:not([hidden])');
-      group.open ||= search.value;
-    }
-  };
-  on('patch', (patch) => {
-    // Cards are kept while their controls are the same: a dial that is being turned must stay.
-    const form = JSON.stringify(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]));
-    if (form !== drawn) build();
-    drawn = form;
-    for (const { key, view } of controls) cards.get(key).update(view, patch);
+const [search, root] = [byId('knob-filter'), byId('knob-groups')];
+const hasOtherControls = changeDetector();
+
+/** Makes the cards of all controls. */
+function build() {
+  cards.clear();
+  for (const control of controls) cards.set(control.key, cardOf(control));
+  [...root.children].forEach((group, at) => {
+    const own = controls.filter((control) => control.group === at).map(({ key }) => cards.get(key).node);
+    group.querySelector('small').textContent = own.length;
+    group.lastChild.replaceChildren(...own);
+    group.open = at !== BY_PARAMETERS;
   });
-  on('highlight', (to) => show([...cards.values()].filter(({ place: { parameter, element, setting } }) =>
-    (parameter ? to.parameter === parameter : to.element === element && (to.setting ?? setting) === setting)), 'is-lit'));
+  search.value = '';
+  search.hidden = controls.length <= FILTERED;
+  search.oninput();
 }
+
+search.oninput = () => {
+  filter(root.querySelectorAll('.knob'), search.value);
+  for (const group of root.children) group.open ||= search.value;
+};
+on('patch', (patch) => {
+  // Cards are kept while their controls are the same: a dial that is being turned must stay.
+  if (hasOtherControls(controls.map(({ view: { range, words }, ...rest }) => [rest, range, words]))) build();
+  for (const { key, view } of controls) cards.get(key).update(view, patch);
+});
+on('highlight', (to) => show([...cards.values()].filter(({ place: { parameter, element, setting } }) =>
+  (parameter ? to.parameter === parameter : to.element === element && (to.setting ?? setting) === setting)), 'is-lit'));

@@ -12,19 +12,21 @@
 import { stored } from './dom.js';
 import { addressOf, isInside, read } from './resources.js';
 
-/**
- * The token of the server. It moves from the address bar into the storage of its pages, so that it is not shared by
- * mistake, and links also open in other tabs.
- */
-export function token() {
+/** Takes a value out of the fragment of the address. Returns undefined if it has none of this name. */
+export function takeFromAddress(name) {
   const fragment = new URLSearchParams(location.hash.slice(1));
-  if (fragment.has('token')) {
-    stored('token', fragment.get('token'));
-    fragment.delete('token');
-    history.replaceState(null, '', location.pathname + location.search + (fragment.size ? `#${fragment}` : ''));
-  }
-  return stored('token') ?? '';
+  const value = fragment.get(name);
+  if (value === null) return undefined;
+  fragment.delete(name);
+  history.replaceState(null, '', location.pathname + location.search + (fragment.size ? `#${fragment}` : ''));
+  return value;
 }
+
+/**
+ * The token of the server as the query of an address. It moves from the address bar into the storage of its pages, so that
+ * it is not shared by mistake, and links also open in other tabs.
+ */
+export const tokenQuery = () => `?token=${encodeURIComponent(stored('token', takeFromAddress('token')) ?? '')}`;
 
 /** The kind of the host in host.json. */
 let kind = '';
@@ -33,37 +35,36 @@ let kind = '';
 function linkOf(post, end) {
   const open = [];
   const { promise: lost, resolve: lose } = Promise.withResolvers();
-  const request = (text) => new Promise((resolve, reject) => {
-    open.push({ resolve, reject });
-    post(text);
-  });
   const fail = (message) => {
     for (const { reject } of open.splice(0)) reject(new Error(message));
   };
-  /** @type {Link} */
-  const link = {
-    kind,
-    request,
-    lost,
-    onpartial() {},
-    close() {
-      end();
-      fail('The connection was closed.');
-    },
-  };
   return {
-    link,
+    /** @type {Link} */
+    link: {
+      kind,
+      lost,
+      request: (text) => new Promise((resolve, reject) => {
+        open.push({ resolve, reject });
+        post(text);
+      }),
+      onpartial() {},
+      close() {
+        end();
+        fail('The connection was closed.');
+      },
+    },
     answer: (text, frame = null) => open.shift()?.resolve({ text, frame }),
     close(message) {
-      fail(message);
+      // The page knows of the loss before its requests fail, so it sends no others.
       lose(message);
+      fail(message);
     },
   };
 }
 
 /** @returns {Promise<Link>} */
 function connectServer(path) {
-  const address = new URL(`${path}?token=${encodeURIComponent(token())}`, document.baseURI);
+  const address = new URL(path + tokenQuery(), document.baseURI);
   address.protocol = address.protocol.replace('http', 'ws');
   const socket = new WebSocket(address);
   socket.binaryType = 'arraybuffer';
@@ -96,11 +97,7 @@ async function connectWorker(module) {
   // A module that the document has is sent. Otherwise the Worker fetches the one that its address names.
   const query = inside ? '' : `?module=${module}`;
   const worker = new Worker(addressOf('worker/engine.js', 'text/javascript') + query, { type: 'module' });
-  let id = 0;
-  const { link, answer, close } = linkOf((text) => {
-    id += 1;
-    worker.postMessage({ id, text });
-  }, () => worker.terminate());
+  const { link, answer, close } = linkOf((text) => worker.postMessage({ text }), () => worker.terminate());
   const fail = (message) => {
     worker.terminate();
     close(message);
@@ -120,15 +117,10 @@ const connectTo = (path, module) => (kind === 'server' ? connectServer(path) : c
 
 /** Connects to the host that host.json names. @returns {Promise<Link>} */
 export async function connect() {
-  token();
-  const answer = await read('host.json');
-  if (!answer.ok) throw new Error('The file host.json is missing next to the page.');
-  const { host, patch, text } = await answer.json();
+  const { host, patch, text } = await (await read('host.json')).json();
   kind = host;
   return Object.assign(await connectTo('session', 'engine.wasm'), { patch, text });
 }
 
 /** Begins a comparison with measured data at the same host. @returns {Promise<Link>} */
-export async function connectComparison() {
-  return connectTo('compare', 'search.wasm');
-}
+export const connectComparison = () => connectTo('compare', 'search.wasm');

@@ -14,8 +14,6 @@ let last = performance.now();
 let lively = 0;
 let isWaiting = false;
 
-
-
 function tick(now) {
   requestAnimationFrame(tick);
   if (isWaiting || document.hidden || !state.host || !state.patch) return;
@@ -24,11 +22,8 @@ function tick(now) {
   const seconds = within(0, (now - last) / 1000, LONGEST);
   last = now;
   isWaiting = true;
-  send({ command: 'advance', seconds }).then(() => { isWaiting = false; });
+  send('advance', { seconds }).then(() => { isWaiting = false; });
 }
 
-/** Starts the clock. */
-export function startLoop() {
-  on('patch machine scopes', () => { lively = performance.now() + LIVELY; });
-  requestAnimationFrame(tick);
-}
+on('patch machine scopes', () => { lively = performance.now() + LIVELY; });
+requestAnimationFrame(tick);

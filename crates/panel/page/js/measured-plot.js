@@ -8,7 +8,7 @@
  *   offset: number | null}} Curves  an output
  */
 
-import { byId, format, minus, partsOf, quantity, svg, template } from './dom.js';
+import { byId, format, minus, partsOf, place, quantity, roundUp, svg, template } from './dom.js';
 
 /** The parts of the view. */
 export const view = partsOf(byId('measured'));
@@ -19,20 +19,9 @@ const [LEFT, GAP, ABOVE, BELOW] = [64, 8, 30, 44];
 /** @type {(Record<string, any> & {output?: Curves})[]} */
 let figures = [];
 
-/** Shows parts that were made from a template. Returns them. */
-export function place(parent, parts) {
-  parent.replaceChildren(...parts.map(({ node }) => node));
-  return parts;
-}
-
-/** A step of 1, 2, 5 or 10 times a power of ten that is at least this large. */
-function nice(step) {
-  const power = 10 ** Math.floor(Math.log10(step));
-  return power * [1, 2, 5, 10].find((each) => each * power > step * 0.999);
-}
-
+/** About so many round values between two values. */
 function ticks(low, high, count) {
-  const step = nice((high - low) / count);
+  const step = roundUp((high - low) / count);
   const first = Math.ceil(low / step - 0.001);
   return Array.from({ length: high / step + 1.001 - first }, (_, at) => (first + at) * step);
 }
@@ -47,7 +36,7 @@ function draw({ plot, output: { unit, records, noise } }) {
   const samples = all('measured', 'simulated');
   const [low, high] = [Math.min(...samples), Math.max(...samples)];
   const room = 0.05 * (high - low) || 1;
-  const most = nice(Math.max(2 * noise, ...all('residual').map(Math.abs)) || 1);
+  const most = roundUp(Math.max(2 * noise, ...all('residual').map(Math.abs)) || 1);
   const tall = height - 2 * ABOVE - BELOW;
   const areas = [['value', 0.6 * tall, low - room, high + room, 'measured', 'simulated'], ['residual', 0.4 * tall, -most, most, 'band', 'zero', 'residual']];
   const span = ({ time }) => time.at(-1) - time[0] || 1;

@@ -27,7 +27,6 @@ export function showProgress({ phase, done, total, added, best, rejected }) {
 /** Shows the result of a search, or removes the last one. */
 export function showFound(result) {
   found = result;
-  view.found.hidden = !result;
   view.sentence.textContent = result?.sentence;
   if (!result) return list(view.candidates, []);
   const { before, after, doubts, parameters, patch } = result;
@@ -58,7 +57,7 @@ export const actions = {
   async plug() {
     const { text, elements } = found.patch;
     byId('tab-board').click();
-    if (refusalOf(await send({ command: 'replace', text }))) return;
+    if (refusalOf(await send('replace', { text }))) return;
     setTimeout(() => elements.forEach((element) => highlight({ element })), DRAWN);
   },
 };

@@ -4,14 +4,14 @@
  * sent, so that the latest values win.
  */
 
-import { byId, parse, quantity, template, write } from './dom.js';
+import { byId, parse, place, quantity, template, write } from './dom.js';
 import { download } from './files.js';
 import { connectComparison } from './link.js';
-import { place, showCurves, view } from './measured-plot.js';
+import { showCurves, view } from './measured-plot.js';
 import { actions, list, showFound, showProgress } from './measured-search.js';
-import { ask, on, refusalOf, send, state } from './state.js';
+import { ask, on, refusalOf, send, sendAll, state } from './state.js';
 
-/** The view. Its data attribute `busy` names the request that takes long, and `file` says that there are columns. */
+/** The view. Its data attribute `busy` names the request that takes long. */
 const root = byId('measured');
 
 /** @type {import('./link.js').Link | null} */
@@ -95,7 +95,7 @@ function knobOf({ name: key, unit, low: min, high: max }, { fit }) {
   const knob = { key, unit, ...template('fit-parameter', { name: key }) };
   knob.fit.checked = fit?.includes(key);
   Object.assign(knob.slider, {
-    min, max, ariaLabel: key, oninput: () => send({ command: 'parameter', name: key, value: Number(knob.slider.value) }),
+    min, max, ariaLabel: key, oninput: () => send('parameter', { name: key, value: Number(knob.slider.value) }),
   });
   return knob;
 }
@@ -109,7 +109,6 @@ const TAKE = {
     const before = shown === given && patchName === state.patch.file ? experiment() : suggestion;
     const known = knobs.map(({ key }) => key);
     [shown, patchName] = [given, state.patch.file];
-    root.dataset.file = '';
     view.file.textContent = `${file}, ${rows} rows`;
     columns = place(view.columns, event.columns.map((each) => columnOf(each, event, before)));
     knobs = place(view.knobs, event.parameters.map((each) => knobOf(each, known.includes(each.name) ? before : suggestion)));
@@ -126,7 +125,7 @@ const TAKE = {
     waiting.add('simulate');
   },
   curves: showCurves,
-  fitted: ({ parameters }) => send(...Object.entries(parameters).map(([name, value]) => ({ command: 'parameter', name, value }))),
+  fitted: ({ parameters }) => sendAll(Object.entries(parameters).map(([name, value]) => ({ command: 'parameter', name, value }))),
   progress: showProgress,
   found: showFound,
 };
@@ -160,7 +159,6 @@ function setBusy(name) {
   view.setup.disabled = name;
   view.ready.disabled = name || !isCompared;
   view.search.disabled = !name && !isCompared;
-  write(view.search, name ? 'Cancel' : 'Search');
 }
 
 /** Sends what waits, unless the view is hidden. */
@@ -219,37 +217,34 @@ function follow({ file, signals, elements, time_scale: scale } = state.patch) {
   refresh();
 }
 
-/** Connects the view. */
-export function mountMeasured() {
-  const open = () => byId('file').click();
-  const buttons = {
-    ...actions, open, other: open, fit: () => start('fit'), search: () => start('search'),
-    save: () => download(`${given.name.replace(/\.\w+$/, '')}.experiment.json`, accepted, 'application/json'),
-  };
-  for (const [name, act] of Object.entries(buttons)) view[name].onclick = act;
-  view.setup.onchange = ({ target }) => {
-    if (target.type === 'range') return;
-    // Each role has one column.
-    for (const { role } of columns) if (role !== target && role.value === target.value) role.value = '';
-    run('compare');
-  };
-  on('data', (file) => {
-    given = file;
-    showFound(null);
-    byId('tab-measured').click();
-    root.closest('.views').scrollIntoView();
-    waiting.add('begin');
-    follow();
-    pump();
-  });
-  on('patch', (patch) => {
-    values = Object.fromEntries(patch.parameters.map(({ name, value }) => [name, value]));
-    follow(patch);
-  });
-  on('parameter', ({ name, value }) => {
-    values[name] = value;
-    follow();
-  });
-  // It has been shown, perhaps with requests that wait.
-  new ResizeObserver(pump).observe(root);
-}
+const open = () => byId('file').click();
+const buttons = {
+  ...actions, open, other: open, fit: () => start('fit'), search: () => start('search'),
+  save: () => download(`${given.name.replace(/\.\w+$/, '')}.experiment.json`, accepted, 'application/json'),
+};
+for (const [name, act] of Object.entries(buttons)) view[name].onclick = act;
+view.setup.onchange = ({ target }) => {
+  if (target.type === 'range') return;
+  // Each role has one column.
+  for (const { role } of columns) if (role !== target && role.value === target.value) role.value = '';
+  run('compare');
+};
+on('data', (file) => {
+  given = file;
+  showFound(null);
+  byId('tab-measured').click();
+  root.closest('.views').scrollIntoView();
+  waiting.add('begin');
+  follow();
+  pump();
+});
+on('patch', (patch) => {
+  values = Object.fromEntries(patch.parameters.map(({ name, value }) => [name, value]));
+  follow(patch);
+});
+on('parameter', ({ name, value }) => {
+  values[name] = value;
+  follow();
+});
+// It has been shown, perhaps with requests that wait.
+new ResizeObserver(pump).observe(root);

@@ -1,6 +1,6 @@
 /** Findings of the checker, refusals, and the state of the connection. */
 
-import { byId, float, root, template, write } from './dom.js';
+import { byId, fill, float, joined, root, template, write } from './dom.js';
 import { highlight, on, send, state } from './state.js';
 
 /** Milliseconds for which a refusal is shown, for a text of no length and for each letter. */
@@ -8,9 +8,8 @@ const SHOWN = 4000;
 const SHOWN_PER_LETTER = 40;
 
 /** The name of a place: "A3 x10", "parameter M". */
-export function placeName({ element, jack, setting, parameter }) {
-  return parameter ? `parameter ${parameter}` : [element, jack ?? setting].filter(Boolean).join(' ');
-}
+export const placeName = ({ element, jack, setting, parameter }) =>
+  (parameter ? `parameter ${parameter}` : joined([element, jack ?? setting], ' '));
 
 function findingItem({ code, severity, message, hint, place }) {
   const { node, seek, equations } = template('finding', { severity, message, hint, seek: place && `Show ${placeName(place)}` });
@@ -21,34 +20,33 @@ function findingItem({ code, severity, message, hint, place }) {
   return node;
 }
 
-function count(number, word) {
-  return number ? `${number} ${word}${number === 1 ? '' : 's'}` : '';
-}
+/** A number of things, or nothing if there are none. */
+const count = (number, word) => number && `${number} ${word}${number === 1 ? '' : 's'}`;
+
+const [findings, correct, checks] = ['findings', 'correct', 'checks'].map(byId);
 
 function showFindings() {
   const errors = state.findings.filter(({ severity }) => severity === 'error').length;
-  const summary = [count(errors, 'error'), count(state.findings.length - errors, 'warning')].filter(Boolean).join(', ');
-  byId('findings').replaceChildren(...state.findings.map(findingItem));
-  byId('correct').hidden = !state.findings.some(({ code }) => code.startsWith('equation-'));
-  byId('checks').dataset.worst = errors ? 'error' : summary ? 'warning' : 'none';
-  write(byId('checks-text'), summary || 'The patch has no faults');
+  const summary = joined([count(errors, 'error'), count(state.findings.length - errors, 'warning')]);
+  findings.replaceChildren(...state.findings.map(findingItem));
+  correct.hidden = !state.findings.some(({ code }) => code.startsWith('equation-'));
+  write(checks, summary || 'The patch has no faults');
 }
 
 /** Searches for corrections, which takes seconds. They are in the hints of the findings. */
 async function findCorrections() {
-  const correct = byId('correct');
   if (correct.ariaBusy === 'true') return;
   correct.ariaBusy = true;
-  write(byId('checks-text'), 'Searching for corrections…');
+  write(checks, 'Searching for corrections…');
   const hints = () => state.findings.map(({ hint }) => hint).join();
   const before = hints();
-  const answer = await send({ command: 'advise' });
+  const answer = await send('advise');
   correct.ariaBusy = false;
   showFindings();
   if (answer.length === 0) return;
   if (hints() === before) toast('No single change corrects the equations.', 'note');
   correct.hidden = true;
-  byId('findings').focus();
+  findings.focus();
 }
 
 /** Where the user looks: the pointer, or the control with the focus if a key was the last input. */
@@ -67,32 +65,20 @@ export function toast(message, kind = 'error') {
   close.onclick = () => box.remove();
   byId('toasts').replaceChildren(box);
   place(box);
-  const spoken = byId('spoken');
-  spoken.textContent = '';
-  // An equal text is read out again only if it was removed before.
-  requestAnimationFrame(() => { spoken.textContent = message; });
   const time = SHOWN + SHOWN_PER_LETTER * message.length;
   let timer = setTimeout(close.onclick, time);
   box.onpointerenter = () => clearTimeout(timer);
   box.onpointerleave = () => { timer = setTimeout(close.onclick, time / 2); };
 }
 
-/** Connects the list and the messages. `reconnect` is called by the button of a lost connection. */
-export function mountMessages(reconnect) {
-  const move = ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; };
-  for (const kind of ['pointermove', 'pointerdown']) document.addEventListener(kind, move, { passive: true });
-  document.addEventListener('keydown', () => { pointer = null; });
-  byId('link').lastChild.onclick = reconnect;
-  byId('correct').onclick = findCorrections;
-  on('findings', showFindings);
-  on('refused', ({ message, place: where }) => {
-    // The patch panel shows it at the jack.
-    if (!where?.element || byId('board').hidden) toast(message);
-    if (where) highlight(where);
-  });
-  on('link', ({ connected, message }) => {
-    byId('link').hidden = connected;
-    write(byId('link').firstChild, message);
-  });
-  on('probing', (waits) => root.toggleAttribute('data-probing', waits));
-}
+const move = ({ clientX, clientY }) => { pointer = { x: clientX, y: clientY }; };
+fill(document, { onpointermove: move, onpointerdown: move, onkeydown: () => { pointer = null; } });
+correct.onclick = findCorrections;
+on('findings', showFindings);
+on('refused', ({ message, place: where }) => {
+  if (where) highlight(where);
+  // The patch panel shows it at the jack.
+  if (!where?.element || !byId('board').offsetParent) toast(message);
+});
+on('link', (message) => write(byId('link').firstChild, message));
+on('probing', (listener) => root.toggleAttribute('data-probing', Boolean(listener)));

@@ -1,10 +1,10 @@
 /** The voltmeter and the null meter: moving-coil instruments, each with a reading in digits. */
 
 import { dial } from './dial.js';
-import { byId, fill, format, minus, quantity, template, within, write } from './dom.js';
+import { byId, changeDetector, fill, fixed, format, minus, quantity, rateLimiter, template, within, write } from './dom.js';
 import { potCard } from './knobs.js';
 import { fillOutputs } from './probes.js';
-import { on, selectProbe, send, state } from './state.js';
+import { on, outputOf, selectProbe, send, state } from './state.js';
 
 /** The angle from the middle to an end of a scale, in degrees. */
 const SWEEP = 45;
@@ -14,7 +14,7 @@ const DIGITS = 120;
 /** Volts with five digits, of which at most four are decimals. */
 function fiveDigits(volts) {
   const before = Math.max(1, Math.floor(Math.log10(Math.abs(volts) || 1)) + 1);
-  return minus(`${volts < 0 ? '' : '+'}${volts.toFixed(5 - before)} V`);
+  return `${volts < 0 ? '' : '+'}${fixed(volts, 5 - before)} V`;
 }
 
 /**
@@ -23,15 +23,13 @@ function fiveDigits(volts) {
  */
 function meterOf(title, connect) {
   const { node, needle, digits, volts, more, outputs, list, probe } = template('meter');
-  let [full, drawn, last, connected] = [1, '', 0, ''];
+  const [hasOtherOutputs, isDue] = [changeDetector(), rateLimiter(DIGITS)];
+  let [full, connected] = [1, ''];
   digits.ariaLabel = title;
   list.ariaLabel = `Output at the ${title.toLowerCase()}`;
   list.onchange = () => connect(list.value || null);
-  probe.onclick = () => {
-    selectProbe(connect);
-    probe.ariaPressed = true;
-  };
-  on('probing', (waits) => { if (!waits) probe.ariaPressed = false; });
+  probe.onclick = () => selectProbe(connect);
+  on('probing', (listener) => { probe.ariaPressed = listener === connect; });
   return {
     node, outputs,
     /** Sets the ends of the scale. */
@@ -42,9 +40,7 @@ function meterOf(title, connect) {
     },
     /** Shows the outputs of the patch. Returns whether they have changed. */
     update(patch) {
-      const form = JSON.stringify(patch.outputs.map(({ name, signal }) => [name, signal]));
-      if (form === drawn) return false;
-      drawn = form;
+      if (!hasOtherOutputs(patch.outputs.map(({ name, signal }) => [name, signal]))) return false;
       fillOutputs(list, patch, 'not connected');
       list.value = connected;
       return true;
@@ -55,9 +51,7 @@ function meterOf(title, connect) {
     },
     show(value, words) {
       needle.style.transform = `rotate(${SWEEP * within(-1.06, value / full || 0, 1.06)}deg)`;
-      const now = performance.now();
-      if (now - last < DIGITS) return;
-      last = now;
+      if (!isDue()) return;
       const isKnown = Number.isFinite(value);
       write(volts, isKnown ? fiveDigits(value) : '– V');
       write(more, isKnown ? words(value) : '');
@@ -67,59 +61,47 @@ function meterOf(title, connect) {
   };
 }
 
-function mountVoltmeter() {
-  let view;
-  const meter = meterOf('Voltmeter', (output) => send({ command: 'meter', output }));
-  meter.range(100);
-  const find = () => { view = state.patch?.outputs.find(({ name }) => name === state.machine?.meter); };
-  on('patch', (patch) => {
-    meter.update(patch);
-    find();
-  });
-  on('machine', ({ meter: output }) => {
-    meter.at(output);
-    find();
-  });
-  on('frame', (frame) => meter.show(frame.meter, (volts) =>
-    (view?.signal ? `${view.signal} ${quantity(volts * view.per_volt, view.unit, 5)}` : '')));
-  byId('voltmeter').append(meter.node);
+const voltmeter = meterOf('Voltmeter', (output) => send('meter', { output }));
+voltmeter.range(100);
+on('patch', voltmeter.update);
+on('machine', ({ meter }) => voltmeter.at(meter));
+on('frame', ({ meter }) => voltmeter.show(meter, (volts) => {
+  const { signal, per_volt: perVolt, unit } = outputOf(state.machine.meter) ?? {};
+  return signal ? `${signal} ${quantity(volts * perVolt, unit, 5)}` : '';
+}));
+byId('voltmeter').append(voltmeter.node);
+
+/** The output at the null meter, and the card of its pot. */
+let [output, pot] = [null, null];
+const connect = (change) => send('null-meter', { ...state.machine.null_meter, ...change });
+const nullMeter = meterOf('Null meter', (name) => connect({ output: name }));
+const reference = dial({
+  label: 'Reference divider', unit: '1', range: [-1, 1], hasTurns: true, turned: (divider) => connect({ divider }),
+});
+reference.show(0);
+nullMeter.range(10);
+byId('null-meter').append(nullMeter.node);
+byId('null-output').append(nullMeter.outputs);
+byId('null-divider').append(reference.node);
+byId('null-range').onchange = ({ target }) => nullMeter.range(Number(target.value));
+byId('null-mode').onclick = () => send('mode', { mode: 'pot-set' });
+
+/** Shows the pot at the null meter, if there is one. */
+function placePot() {
+  pot = output && potCard(output, state.patch);
+  byId('null-pot').replaceChildren(pot?.node ?? '');
 }
 
-function mountNullMeter() {
-  let [output, pot] = [null, null];
-  const connect = (change) => send({ command: 'null-meter', ...state.machine.null_meter, ...change });
-  const meter = meterOf('Null meter', (name) => connect({ output: name }));
-  const place = () => {
-    pot = output && potCard(output, state.patch);
-    byId('null-pot').replaceChildren(pot?.node ?? 'If you choose a pot, its dial is here.');
-  };
-  const reference = dial({
-    label: 'Reference divider', unit: '1', range: [-1, 1], perTurn: 0.1, digits: 4, turned: (divider) => connect({ divider }),
-  });
-  reference.show(0);
-  meter.range(10);
-  byId('null-meter').append(meter.node);
-  byId('null-output').append(meter.outputs);
-  byId('null-divider').append(reference.node);
-  byId('null-range').onchange = ({ target }) => meter.range(Number(target.value));
-  byId('null-mode').onclick = () => send({ command: 'mode', mode: 'pot-set' });
-  on('machine', ({ mode, null_meter: present }) => {
-    byId('null-mode').ariaPressed = mode === 'pot-set';
-    reference.show(present.divider);
-    meter.at(present.output);
-    if (present.output === output) return;
-    output = present.output;
-    place();
-  });
-  on('patch', (patch) => {
-    if (meter.update(patch)) place();
-    else pot?.refresh(patch);
-  });
-  on('frame', (frame) => meter.show(frame.nullMeter, (volts) => (Math.abs(volts) < 0.005 ? 'at zero' : '')));
-}
-
-/** Shows the voltmeter and the null meter. */
-export function mountMeters() {
-  mountVoltmeter();
-  mountNullMeter();
-}
+on('machine', ({ mode, null_meter: present }) => {
+  byId('null-mode').ariaPressed = mode === 'pot-set';
+  reference.show(present.divider);
+  nullMeter.at(present.output);
+  if (present.output === output) return;
+  output = present.output;
+  placePot();
+});
+on('patch', (patch) => {
+  if (nullMeter.update(patch)) placePot();
+  else pot?.refresh(patch);
+});
+on('frame', (frame) => nullMeter.show(frame.nullMeter, (volts) => (Math.abs(volts) < 0.005 ? 'at zero' : '')));

@@ -1,7 +1,7 @@
 /** Patching by mouse, touch and keys. */
 
 import { cordClass, keysOf, lay } from './cords.js';
-import { shape } from './dom.js';
+import { fill, hasModifier, shape } from './dom.js';
 import { bind } from './keys.js';
 import { choose as offerProbes } from './probes.js';
 import { highlight, isProbing, send } from './state.js';
@@ -28,7 +28,7 @@ export function mountPatching(board) {
   let draft = null;
 
   function isLocked() {
-    if (board.isLocked()) say('The panel is locked. Press Unlock to patch.');
+    if (board.isLocked()) say('The panel is locked. Press Lock to unlock it.');
     return board.isLocked();
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
@@ -82,17 +82,17 @@ export function mountPatching(board) {
     if (goal === fixed || (cord && Object.values(keysOf(cord)).includes(goal.key))) return;
     const [output, input] = want === 'in' ? [fixed, goal] : [goal, fixed];
     if (goal.type !== want) board.bubble(`Both are ${goal.type}puts. A cord goes from an output to an input.`, goal);
-    else if (id !== undefined) send({ command: 'plug-loose', id, to: endOf(goal) });
-    else if (cord) send({ command: 'move-cord', ...cord, to: endOf(goal) });
-    else send({ command: 'plug', from: output.output, ...endOf(input) });
+    else if (id !== undefined) send('plug-loose', { id, to: endOf(goal) });
+    else if (cord) send('move-cord', { ...cord, to: endOf(goal) });
+    else send('plug', { from: output.output, ...endOf(input) });
   }
   /** Leaves the cord where it is dropped. */
   function drop({ x, y }) {
     const { fixed, cord, id } = hand;
     release();
     const at = [Math.round(x), Math.round(y)];
-    if (id === undefined) send({ command: 'loose-cord', end: endOf(fixed), at, ...cord && { replaces: cord } });
-    else send({ command: 'move-loose', id, at });
+    if (id === undefined) send('loose-cord', { end: endOf(fixed), at, ...cord && { replaces: cord } });
+    else send('move-loose', { id, at });
   }
   /** Offers the probes for the output at a place, or places the one that waits. Returns whether there is an output. */
   function offer(one, event) {
@@ -133,63 +133,6 @@ export function mountPatching(board) {
     if (one?.type === 'free' && !isLocked()) board.add(one.section);
   }
 
-  const listen = (names, listener, options) => names.split(' ').forEach((name) => canvas.addEventListener(name, listener, options));
-  board.zoom.listen(() => !press || (press.isMoved && !press.isDragging));
-  listen('pointerdown', (event) => {
-    if (event.button) return;
-    const { pointerId, clientX, clientY, target } = event;
-    if (board.zoom.pointers.size > 1) {
-      if (press?.isDragging) release();
-      press = null;
-      return;
-    }
-    canvas.setPointerCapture(pointerId);
-    const own = press = {
-      at: [clientX, clientY], hit: nearest(event),
-      key: target.closest('[data-key]')?.dataset.key, knob: target.closest('[data-knob]')?.dataset.knob
-    };
-    if (event.pointerType === 'touch')
-      setTimeout(() => { if (press === own && !own.isMoved && !hand && offer(own.hit, event)) press = null; }, LONG);
-  });
-  // The right button, or the key for menus.
-  listen('contextmenu', (event) => {
-    if (offer(event.button < 0 ? stop(event.target.dataset.key) : nearest(event), event)) event.preventDefault();
-  });
-  bind('m', 'Probes at the jack with the focus', ({ target }) => offer(stop(target.dataset.key)));
-  listen('pointermove', (event) => {
-    const { clientX, clientY, target, pointerType } = event;
-    if (board.zoom.pointers.size > 1) return;
-    if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
-      press.isMoved = true;
-      press.isDragging = press.hit !== null && !isLocked();
-      if (press.isDragging) begin(press.hit, event.shiftKey || event.ctrlKey);
-    }
-    if (hand && (!press || press.isDragging)) {
-      const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
-      aim(goal, goal ?? board.zoom.units(event));
-    } else if (!press && pointerType === 'mouse') {
-      const hit = nearest(event);
-      // The lowest plug is the jack with all its cords, each one above it is its own cord.
-      const seen = hit?.type !== 'plug' ? hit : hit.x === hit.jack.x ? hit.jack : stop(keysOf(hit.cord).cord);
-      board.hover(seen ?? stop(target.closest('[data-key]')?.dataset.key) ?? null);
-    }
-  });
-  listen('pointerup pointercancel', (event) => {
-    const done = press;
-    press = null;
-    if (!done || event.type === 'pointercancel') {
-      if (done?.isDragging) release();
-    } else if (done.isDragging && hand) {
-      const goal = nearest(event, isJack);
-      board.focus((goal ?? hand.fixed).key);
-      if (goal) plugInto(goal);
-      else drop(board.zoom.units(event));
-    } else if (!done.isMoved) click(done);
-  });
-  listen('pointerleave', () => { if (!press) board.hover(null); });
-  // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
-  listen('mousedown touchstart', (event) => event.preventDefault(), { passive: false });
-
   /** The nearest place in a direction. Cords follow each other in their order. */
   function next(from, [dx, dy]) {
     const all = board.stops.filter(({ type }) => (type === 'cord') === (from.type === 'cord'));
@@ -217,9 +160,70 @@ export function mountPatching(board) {
     } else return false;
     return true;
   }
-  listen('keydown', (event) => {
-    const one = stop(event.target.dataset.key);
-    if (one && !event.ctrlKey && !event.metaKey && !event.altKey && key(event.key, one)) event.preventDefault();
+
+  const keyAt = ({ target }) => target.closest('[data-key]')?.dataset.key;
+  // The focus follows the choice of a place, not the press; and a page does not scroll under a finger that patches.
+  const prevent = (event) => event.preventDefault();
+  board.zoom.listen(() => !press || (press.isMoved && !press.isDragging));
+  fill(canvas, {
+    onpointerdown(event) {
+      if (event.button) return;
+      if (board.zoom.pointers.size > 1) {
+        if (press?.isDragging) release();
+        press = null;
+        return;
+      }
+      const { pointerId, clientX, clientY, target } = event;
+      canvas.setPointerCapture(pointerId);
+      const own = { at: [clientX, clientY], hit: nearest(event), key: keyAt(event), knob: target.closest('[data-knob]')?.dataset.knob };
+      press = own;
+      if (event.pointerType === 'touch')
+        setTimeout(() => { if (press === own && !own.isMoved && !hand && offer(own.hit, event)) press = null; }, LONG);
+    },
+    // The right button, or the key for menus.
+    oncontextmenu(event) {
+      if (offer(event.button < 0 ? stop(event.target.dataset.key) : nearest(event), event)) event.preventDefault();
+    },
+    onpointermove(event) {
+      const { clientX, clientY, pointerType } = event;
+      if (board.zoom.pointers.size > 1) return;
+      if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
+        press.isMoved = true;
+        press.isDragging = press.hit !== null && !isLocked();
+        if (press.isDragging) begin(press.hit, event.shiftKey || event.ctrlKey);
+      }
+      if (hand && (!press || press.isDragging)) {
+        const goal = nearest(event, (one) => isJack(one) && one !== hand.fixed);
+        aim(goal, goal ?? board.zoom.units(event));
+      } else if (!press && pointerType === 'mouse') {
+        const hit = nearest(event);
+        // The lowest plug is the jack with all its cords, each one above it is its own cord.
+        const seen = hit?.type !== 'plug' ? hit : hit.x === hit.jack.x ? hit.jack : stop(keysOf(hit.cord).cord);
+        board.hover(seen ?? stop(keyAt(event)) ?? null);
+      }
+    },
+    onpointerup(event) {
+      const done = press;
+      press = null;
+      if (done?.isDragging && hand) {
+        const goal = nearest(event, isJack);
+        board.focus((goal ?? hand.fixed).key);
+        if (goal) plugInto(goal);
+        else drop(board.zoom.units(event));
+      } else if (done && !done.isMoved) click(done);
+    },
+    onpointercancel() {
+      if (press?.isDragging) release();
+      press = null;
+    },
+    onpointerleave: () => { if (!press) board.hover(null); },
+    onmousedown: prevent,
+    ontouchstart: prevent,
+    onkeydown(event) {
+      const one = stop(event.target.dataset.key);
+      if (one && !hasModifier(event) && key(event.key, one)) event.preventDefault();
+    },
   });
+  bind('M', 'Probes at the jack with the focus', ({ target }) => offer(stop(target.dataset.key)));
   board.release = release;
 }

@@ -1,7 +1,7 @@
 /** Probes: where they are, and the menu that places them. */
 
 import { button, byId, el, float, quantity } from './dom.js';
-import { isProbing, probed, send, state } from './state.js';
+import { isProbing, outputOf, probed, send, state } from './state.js';
 
 /**
  * All probes of scopes and meters, with their outputs and a function that connects them.
@@ -13,15 +13,15 @@ export function probes() {
     connect(to) {
       const copy = structuredClone(controls);
       copy.channels[index].output = to;
-      send({ command: 'scope', scope, controls: copy });
+      send('scope', { scope, controls: copy });
     },
   })));
   const { meter = null, null_meter: nullMeter } = state.machine ?? {};
   return [...channels,
-    { name: 'Voltmeter', mark: 'V', look: 'meter', output: meter, connect: (output) => send({ command: 'meter', output }) },
+    { name: 'Voltmeter', mark: 'V', look: 'meter', output: meter, connect: (output) => send('meter', { output }) },
     {
       name: 'Null meter', mark: 'N', look: 'meter', output: nullMeter?.output ?? null,
-      connect: (output) => send({ command: 'null-meter', ...nullMeter, output }),
+      connect: (output) => send('null-meter', { ...nullMeter, output }),
     }];
 }
 
@@ -29,7 +29,7 @@ export function probes() {
 export const nameOf = ({ name, signal }) => (signal && signal !== name ? `${signal} at ${name}` : name);
 
 /** The same for the name of an output. */
-export const outputName = (output) => nameOf(state.patch?.outputs.find(({ name }) => name === output) ?? { name: output });
+export const outputName = (name) => nameOf(outputOf(name) ?? { name });
 
 /** Volts, and what they stand for: "20 V/div = 4 m/div". `per` is "/div" or empty. */
 export function reading(volts, { signal, unit, per_volt: perVolt }, per = '', digits = 4) {
@@ -41,7 +41,7 @@ export function reading(volts, { signal, unit, per_volt: perVolt }, per = '', di
 export function fillOutputs(list, { elements, outputs }, none) {
   const groups = ['Signals', 'Elements', 'Drives', 'References'].map((label) => el('optgroup', { label }));
   for (const output of outputs) {
-    const element = elements.find((each) => each.name === output.name || each.outputs.includes(output.name));
+    const element = elements.find((each) => each.outputs.includes(output.name));
     const family = element?.family === 'drive' ? 2 : output.signal ? 0 : element ? 1 : 3;
     const unit = output.signal && output.unit !== '1' ? ` (${output.unit})` : '';
     groups[family].append(el('option', { value: output.name }, nameOf(output) + unit));
@@ -51,10 +51,7 @@ export function fillOutputs(list, { elements, outputs }, none) {
 
 /** The user has chosen an output: it gets the probe that waits, or a menu opens at the place. @param {Element} at */
 export function choose(output, at, { clientX = 0, clientY = 0 } = {}) {
-  if (isProbing()) {
-    probed(output);
-    return;
-  }
+  if (isProbing()) return probed(output);
   const menu = byId('probe-menu');
   const items = probes().map(({ name, look, output: now, connect }) => button(name, () => {
     connect(now === output ? null : output);

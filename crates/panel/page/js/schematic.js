@@ -1,10 +1,10 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { fill, minus, partsOf, shape, svg, within, write } from './dom.js';
+import { byId, fill, fixed, hasFocus, hasModifier, joined, named, partsOf, rateLimiter, shape, svg, within, write } from './dom.js';
 import { lookOf } from './lamps.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
-import { emit, highlight, on, state } from './state.js';
+import { emit, highlight, on, outputOf, state, voltsOf } from './state.js';
 import { ahead, ARROWS, cheapest, Zoom } from './zoom.js';
 
 /** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
@@ -60,218 +60,202 @@ function outputNode({ name, from: [left, y], at: [right] }) {
 }
 
 /** Volts with two decimals and a sign, as `patchcord draw --values` writes them. */
-function voltsText(volts) {
-  const text = minus(volts.toFixed(2));
-  return Math.abs(volts) < 0.005 ? '0.00' : (volts > 0 ? '+' : '') + text;
-}
+const voltsText = (volts) => (volts < 0.005 ? '' : '+') + fixed(volts, 2);
 
-/** Shows the schematic. @param {HTMLElement} root */
-export function mountSchematic(root) {
-  const { picture, nets, symbols, outputs, marks, info, message } = partsOf(root);
-  const zoom = new Zoom(root, [picture], 0, READABLE);
+const root = byId('schematic');
+const { picture, nets, symbols, outputs, marks, info, message } = partsOf(root);
+const zoom = new Zoom(root, [picture], 0, READABLE);
 
-  /** The drawing, and what belongs to each output: `{output, element, net, nodes, index, text, level}`. */
-  let drawing = null;
-  let cells = new Map();
-  let [lit, last, focused] = [null, 0, null];
+/** The drawing, and what belongs to each output: `{output, element, net, nodes, x, y, text, level, lamp}`. */
+let drawing = null;
+let cells = new Map();
+let [lit, focused] = [null, null];
 
-  // Values.
+// Values.
 
-  const valueText = (name) => {
-    const { index } = cells.get(name) ?? {};
-    const volts = state.frame?.volts[index];
-    return volts === undefined ? '' : reading(volts, state.patch.outputs[index]);
-  };
-  const showInfo = () => {
-    const cell = cells.get(lit);
-    const to = cell?.net?.to.map((end) => end.join(' ')).join(', ');
-    write(info, cell ? [outputName(lit), valueText(lit), to && `to ${to}`].filter(Boolean).join('  ·  ') : '');
-  };
-  const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
-  /** Writes what has changed. */
-  const paint = (cell, { text, level, lamp }) => {
-    if (text !== cell.text) cell.nodes.volts.textContent = cell.text = text;
-    if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
-    if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
-  };
-  on('frame', (frame) => {
-    const now = performance.now();
-    if (now - last < SHOWN || !picture.clientWidth) return;
-    last = now;
-    const scale = full();
-    for (const cell of cells.values()) {
-      const value = frame.volts[cell.index];
-      if (value === undefined) continue;
-      const steps = Math.min(LEVELS, Math.ceil(Math.abs(value) / scale * LEVELS - 0.04));
-      paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp: lookOf(frame, cell.index) });
-    }
-    showInfo();
-  });
+const isDue = rateLimiter(SHOWN);
+const valueText = (name) => {
+  const volts = voltsOf(name);
+  return volts === undefined ? '' : reading(volts, outputOf(name));
+};
+const showInfo = () => {
+  const cell = cells.get(lit);
+  const to = cell?.net?.to.map((end) => end.join(' ')).join(', ');
+  write(info, cell ? joined([outputName(lit), valueText(lit), to && `to ${to}`], '  ·  ') : '');
+};
+const full = () => Number(state.patch?.outputs.find(({ name }) => /^\+\d+$/u.test(name))?.name ?? 100);
+/** Writes what has changed. */
+const paint = (cell, { text, level, lamp }) => {
+  if (text !== cell.text) cell.nodes.volts.textContent = cell.text = text;
+  if (level !== cell.level) cell.nodes.net.dataset.level = cell.level = level;
+  if (lamp !== cell.lamp) cell.nodes.symbol.dataset.lamp = cell.lamp = lamp;
+};
+on('frame', (frame) => {
+  if (!picture.clientWidth || !isDue()) return;
+  const scale = full();
+  for (const [name, cell] of cells) {
+    const value = voltsOf(name);
+    if (value === undefined) continue;
+    const steps = Math.min(LEVELS, Math.ceil(Math.abs(value) / scale * LEVELS - 0.04));
+    paint(cell, { text: voltsText(value), level: steps * Math.sign(value) || 0, lamp: lookOf(frame, name) });
+  }
+  showInfo();
+});
 
-  // Nets under the pointer or the focus.
+// Nets under the pointer or the focus.
 
-  const light = (name) => {
-    lit = name;
+const light = (name) => {
+  lit = name;
+  const cell = cells.get(name);
+  const ends = new Set([cell?.element, ...cell?.net?.to.map(([element]) => element) ?? []]);
+  for (const node of picture.querySelectorAll('.net, .output, .symbol')) {
+    const { element, output } = node.dataset;
+    node.classList.toggle('lit', Boolean(cell) && (element ? ends.has(element) : output === name));
+  }
+  showInfo();
+};
+const point = (output) => emit('pointed', { output });
+on('pointed', ({ output }) => light(output ?? null));
+
+// Actions.
+
+const under = ({ target }) => target.closest?.('[data-output]')?.dataset.output ?? null;
+const rove = (name) => {
+  for (const [each, { nodes }] of cells) nodes.output.tabIndex = each === name ? 0 : -1;
+  focused = name;
+};
+const openKnob = (element, setting = named(state.patch?.elements, element)?.settings[0]?.name) => {
+  if (setting) highlight({ element, setting });
+};
+/** The output next to a finger, which is not as precise as a pointer. */
+const near = ({ pointerType, clientX, clientY }) => cheapest(outputs.children, (node) => {
+  const { left, right, top, bottom } = node.getBoundingClientRect();
+  return Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
+}, pointerType === 'touch' ? FINGER : 0);
+const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
+
+zoom.listen();
+fill(picture, {
+  onpointerleave: () => point(null),
+  onpointerover: (event) => point(under(event) ?? (hasFocus(picture) ? focused : null)),
+  onfocusout: () => point(null),
+  onfocusin(event) {
+    const name = under(event);
     const cell = cells.get(name);
-    picture.toggleAttribute('data-lit', Boolean(cell));
-    const ends = new Set([cell?.element, ...cell?.net?.to.map(([element]) => element) ?? []]);
-    for (const node of picture.querySelectorAll('.net, .output, .symbol')) {
-      const { element, output } = node.dataset;
-      node.classList.toggle('lit', Boolean(cell) && (element ? ends.has(element) : output === name));
-    }
-    showInfo();
-  };
-  const point = (output) => emit('pointed', { output });
-  on('pointed', ({ output }) => light(output ?? null));
+    if (!cell) return;
+    rove(name);
+    const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
+    cell.nodes.output.ariaLabel = joined([outputName(name), valueText(name), ...said]);
+    zoom.reveal(cell);
+    point(name);
+  },
+  onclick(event) {
+    const node = event.target.closest('.net, .output') ?? near(event);
+    if (node && zoom.isStill) choose(node.dataset.output, node, event);
+  },
+  ondblclick({ target }) {
+    const symbol = target.closest('.symbol');
+    if (symbol) openKnob(symbol.dataset.element, target.dataset.setting);
+  },
+});
+fill(root, {
+  onkeydown(event) {
+    const { key, target } = event;
+    if (hasModifier(event) || target.closest('button')) return;
+    const node = target.closest('.output');
+    const names = [...cells.keys()];
+    const pick = () => choose(focused, node);
+    const move = () => go(node ? ahead(cells.get(focused), cells.values(), ARROWS[key]).output.name : focused);
+    const act = {
+      Home: () => go(names[0]), End: () => go(names.at(-1)),
+      ...node && { Enter: pick, ' ': pick, e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
+    }[key] ?? (ARROWS[key] && move);
+    if (!act || !cells.has(focused)) return;
+    // A probe that waits is called off by the page.
+    if (key !== 'Escape') event.preventDefault();
+    act();
+  },
+});
 
-  // Actions.
+// Probes, findings, and places to which something points.
 
-  const under = ({ target }) => target.closest?.('[data-output]')?.dataset.output ?? null;
-  const hasFocus = () => picture.contains(document.activeElement);
-  const rove = (name) => {
-    for (const [each, { nodes }] of cells) nodes.output.tabIndex = each === name ? 0 : -1;
-    focused = name;
-  };
-  const openKnob = (element, setting = state.patch?.elements.find(({ name }) => name === element)?.settings[0]?.name) => {
-    if (setting) highlight({ element, setting });
-  };
-  /** The output next to a finger, which is not as precise as a pointer. */
-  const near = ({ pointerType, clientX, clientY }) => cheapest(outputs.children, (node) => {
-    const { left, right, top, bottom } = node.getBoundingClientRect();
-    return Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
-  }, pointerType === 'touch' ? FINGER : 0);
-  const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
-
-  zoom.listen();
-  fill(picture, {
-    onpointerleave: () => point(null),
-    onpointerover: (event) => point(under(event) ?? (hasFocus() ? focused : null)),
-    onfocusout: () => point(null),
-    onfocusin(event) {
-      const name = under(event);
-      const cell = cells.get(name);
-      if (!cell) return;
-      rove(name);
-      const said = state.findings.filter(({ place: at }) => at?.element === cell.element).map((finding) => finding.message);
-      cell.nodes.output.ariaLabel = [outputName(name), valueText(name), ...said].filter(Boolean).join(', ');
-      zoom.reveal(cell);
-      point(name);
-    },
-    onclick(event) {
-      const node = event.target.closest('.net, .output') ?? near(event);
-      if (node && zoom.isStill) choose(node.dataset.output, node, event);
-    },
-    ondblclick({ target }) {
-      const symbol = target.closest('.symbol');
-      if (symbol) openKnob(symbol.dataset.element, target.dataset.setting);
-    },
+let [ring, timer] = [null, 0];
+/** The area of an element, or its jack. */
+const spot = ({ element, jack }) => {
+  const symbol = named(drawing?.symbols, element);
+  const at = symbol?.inputs.find((each) => each.jack === jack)?.at;
+  return symbol && { at, area: at ? [...at, ...at] : symbol.area };
+};
+const showMarks = () => {
+  const counts = new Map();
+  /** How many marks are already at a place. */
+  const count = (key) => counts.set(key, (counts.get(key) ?? -1) + 1).get(key);
+  const tips = probes().filter(({ output }) => cells.has(output)).map(({ output, mark, look, name }) => {
+    // The outputs of an instance are close to each other, so that the tips are at the ends of their wires.
+    const { port, at, from } = cells.get(output).output;
+    const [x, y] = port ? [at[0], at[1] + 21] : from;
+    const right = 24 * count(output);
+    const tip = shape('tip', {
+      'data-look': look, 'data-bare': port || right > 0,
+      'aria-label': `${name} at ${outputName(output)}`, transform: `translate(${x + right} ${y})`,
+    }, svg('title', null, name));
+    tip.querySelector('text').textContent = mark;
+    return tip;
   });
-  fill(root, {
-    onkeydown(event) {
-      const { key, target } = event;
-      if (event.ctrlKey || event.metaKey || event.altKey || target.closest('button')) return;
-      const node = target.closest('.output');
-      const names = [...cells.keys()];
-      const pick = () => choose(focused, node);
-      const move = () => go(node ? ahead(cells.get(focused), cells.values(), ARROWS[key]).output.name : focused);
-      const act = {
-        Home: () => go(names[0]), End: () => go(names.at(-1)),
-        ...node && { Enter: pick, ' ': pick, e: () => openKnob(cells.get(focused).element), Escape: () => point(null) },
-      }[key] ?? (ARROWS[key] && move);
-      if (!act || !cells.has(focused)) return;
-      // A probe that waits is called off by the page.
-      if (key !== 'Escape') event.preventDefault();
-      act();
-    },
+  const flags = state.findings.map(({ severity, message: text, place: where }) => {
+    const { at, area } = spot(where ?? {}) ?? {};
+    if (!area) return null;
+    const [x, y] = at ?? [area[0] + 4, area[1] + 4];
+    const label = `${severity} at ${placeName(where)}: ${text}`;
+    const transform = `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})`;
+    return shape(`mark-${severity}`, { role: 'img', 'aria-label': label, transform }, svg('title', null, text));
   });
+  marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
+};
+on('scopes machine findings', showMarks);
+on('highlight', (where) => {
+  const { at, area } = spot(where) ?? {};
+  if (!area) return;
+  const [left, top, right, bottom] = area;
+  ring = around(area, at ? 13 : 8, 'ring');
+  showMarks();
+  zoom.reveal({ x: (left + right) / 2, y: (top + bottom) / 2 });
+  if (!root.hidden && !where.setting) root.scrollIntoView({ block: 'nearest' });
+  clearTimeout(timer);
+  timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
+});
 
-  // Probes, findings, and places to which something points.
-
-  let [ring, timer] = [null, 0];
-  /** The area of an element, or its jack. */
-  const spot = ({ element, jack }) => {
-    const symbol = drawing?.symbols.find(({ name }) => name === element);
-    const at = symbol?.inputs.find((each) => each.jack === jack)?.at;
-    return symbol && { at, area: at ? [...at, ...at] : symbol.area };
-  };
-  const showMarks = () => {
-    const counts = new Map();
-    /** How many marks are already at a place. */
-    const count = (key) => counts.set(key, (counts.get(key) ?? -1) + 1).get(key);
-    const tips = probes().filter(({ output }) => cells.has(output)).map(({ output, mark, look, name }) => {
-      // The outputs of an instance are close to each other, so that the tips are at the ends of their wires.
-      const { port, at, from } = cells.get(output).output;
-      const [x, y] = port ? [at[0], at[1] + 21] : from;
-      const right = 24 * count(output);
-      const tip = fill(shape('tip'), {
-        'data-look': look, 'data-bare': port || right > 0,
-        'aria-label': `${name} at ${outputName(output)}`, transform: `translate(${x + right} ${y})`,
-      }, [svg('title', null, name)]);
-      tip.querySelector('text').textContent = mark;
-      return tip;
+const draw = () => {
+  const had = hasFocus(picture);
+  symbols.replaceChildren();
+  const made = drawing.symbols.flatMap((each) => {
+    const symbol = symbols.appendChild(symbolNode(each));
+    return each.outputs.map((output) => {
+      const net = drawing.nets.find(({ from }) => from === output.name);
+      const own = outputNode(output);
+      const [x, y] = output.at;
+      return { output, net, x, y, element: each.name, nodes: { symbol, net: netNode(output, net), output: own, volts: own.lastChild } };
     });
-    const flags = state.findings.map(({ severity, message: text, place: where }) => {
-      const { at, area } = spot(where ?? {}) ?? {};
-      if (!area) return null;
-      const [x, y] = at ?? [area[0] + 4, area[1] + 4];
-      const label = `${severity} at ${placeName(where)}: ${text}`;
-      const transform = `translate(${x - 7 - 15 * count(`${x} ${y}`)} ${y - 7})`;
-      return fill(shape(`mark-${severity}`), { role: 'img', 'aria-label': label, transform }, [svg('title', null, text)]);
-    });
-    marks.replaceChildren(...[...tips, ...flags, ring].filter(Boolean));
-  };
-  on('scopes machine findings', showMarks);
-  on('highlight', (where) => {
-    const { at, area } = spot(where) ?? {};
-    if (!area) return;
-    const [left, top, right, bottom] = area;
-    ring = around(area, at ? 13 : 8, 'ring');
-    showMarks();
-    zoom.reveal({ x: (left + right) / 2, y: (top + bottom) / 2 });
-    if (!root.hidden && !where.setting) root.scrollIntoView({ block: 'nearest' });
-    clearTimeout(timer);
-    timer = setTimeout(() => { ring = null; showMarks(); }, RINGED);
   });
-
-  const index = () => {
-    const names = state.patch?.outputs.map(({ name }) => name) ?? [];
-    for (const [name, cell] of cells) cell.index = names.indexOf(name);
-  };
-  const draw = () => {
-    const had = hasFocus();
-    symbols.replaceChildren();
-    const made = drawing.symbols.flatMap((each) => {
-      const symbol = symbols.appendChild(symbolNode(each));
-      return each.outputs.map((output) => {
-        const net = drawing.nets.find(({ from }) => from === output.name);
-        const own = outputNode(output);
-        const [x, y] = output.at;
-        return { output, net, x, y, element: each.name, nodes: { symbol, net: netNode(output, net), output: own, volts: own.lastChild } };
-      });
-    });
-    // In the order of reading: rows, and from left to right in each.
-    const row = ({ y }) => Math.round(y / 90);
-    made.sort((a, b) => row(a) - row(b) || a.x - b.x);
-    // The last voltages stay until the next frame.
-    for (const cell of made) paint(cell, cells.get(cell.output.name) ?? {});
-    cells = new Map(made.map((cell) => [cell.output.name, cell]));
-    nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
-    outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
-    index();
-    rove(cells.has(focused) ? focused : made[0]?.output.name);
-    if (had) go(focused);
-    else light(lit);
-    showMarks();
-  };
-  on('schematic', ({ drawing: next, message: text }) => {
-    picture.toggleAttribute('data-stale', !next);
-    message.textContent = text;
-    if (!next) return;
-    const isOther = !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
-    drawing = next;
-    zoom.size = { width: drawing.width, height: drawing.height + TOOLS };
-    if (isOther) zoom.fit(READABLE);
-    draw();
-  });
-  on('patch', index);
-}
+  // In the order of reading: rows, and from left to right in each.
+  const row = ({ y }) => Math.round(y / 90);
+  made.sort((a, b) => row(a) - row(b) || a.x - b.x);
+  // The last voltages stay until the next frame.
+  for (const cell of made) paint(cell, cells.get(cell.output.name) ?? {});
+  cells = new Map(made.map((cell) => [cell.output.name, cell]));
+  nets.replaceChildren(...made.map(({ nodes }) => nodes.net));
+  outputs.replaceChildren(...made.map(({ nodes }) => nodes.output));
+  rove(cells.has(focused) ? focused : made[0]?.output.name);
+  if (had) go(focused);
+  else light(lit);
+  showMarks();
+};
+on('schematic', ({ drawing: next, message: text }) => {
+  message.textContent = text;
+  if (!next) return;
+  const isOther = !drawing || Math.abs(drawing.width - next.width) + Math.abs(drawing.height - next.height) > 200;
+  drawing = next;
+  zoom.size = { width: drawing.width, height: drawing.height + TOOLS };
+  if (isOther) zoom.fit(READABLE);
+  draw();
+});

@@ -1,6 +1,6 @@
 /** The controls around the screen of a scope. Each has the path of what it sets: "trigger.level". */
 
-import { el, quantity, write } from './dom.js';
+import { decadeOf, el, quantity, write } from './dom.js';
 import { fillOutputs } from './probes.js';
 
 const [LEAST_VOLTS, MOST_VOLTS] = [0.01, 50];
@@ -10,8 +10,8 @@ const STEPS = [1, 2, 2.5, 5];
 /** The round values of a range. */
 export function series(first, last) {
   const values = [];
-  for (let decade = Math.floor(Math.log10(first)); 10 ** decade <= last; decade += 1) {
-    values.push(...STEPS.map((step) => Number(`${step}e${decade}`)));
+  for (let decade = decadeOf(first); decade < last * 1.001; decade *= 10) {
+    values.push(...STEPS.map((step) => Number((step * decade).toPrecision(12))));
   }
   return values.filter((value) => value >= first * (1 - 1e-9) && value <= last * (1 + 1e-9));
 }
@@ -60,33 +60,38 @@ function placeOf(controls, { dataset }) {
   return [path.reduce((part, name) => part[name], controls), key];
 }
 
+/** The value of a control, in the type of the value before. A position has none before, and is a number. */
+function valueOf({ type, checked, value }, before) {
+  if (type === 'checkbox') return checked;
+  if (typeof before === 'boolean') return value === 'true';
+  return typeof before === 'string' || before === null ? value || null : Number(value);
+}
+
 /**
  * Connects the controls of a scope. `act` has what the buttons do.
  * @returns {{update: Function, step: Function}} `update` shows controls; with a patch, it makes the lists of probes again.
  *   `step` sets the scale of a channel, or the time base, to the round value that is next to a value.
  */
-export function mountControls({ controls: root, base, summary }, model, change, act) {
+export function mountControls({ node, controls: root, base, summary }, model, change, act) {
   const inputs = [...root.querySelectorAll('[data-set]')];
   const scales = inputs.filter(({ dataset }) => dataset.set.endsWith('volts_per_division'));
   const set = (control, controls) => {
     const [owner, key] = placeOf(controls, control);
-    const isText = !/number|boolean|undefined/.test(typeof owner[key]);
-    const value = control.type === 'checkbox' ? control.checked : isText ? control.value || null : JSON.parse(control.value || '0');
+    const value = valueOf(control, owner[key]);
     if (key === 'position') setPosition(owner, value);
     else if (key === 'volts_per_division') setVolts(owner, value);
     else owner[key] = value;
   };
-  for (const kind of ['input', 'change']) {
-    root.addEventListener(kind, ({ target }) => {
-      if ((target.type === 'range') !== (kind === 'input')) return;
-      if (target.dataset.set) change((controls) => set(target, controls));
-      else act[target.dataset.act]?.(target.checked);
-    });
-  }
+  root.oninput = root.onchange = ({ type, target }) => {
+    // A slider acts while it is moved, the others when their values are complete.
+    if ((target.type === 'range') !== (type === 'input')) return;
+    if (target.dataset.set) change((controls) => set(target, controls));
+    else act[target.dataset.act]?.();
+  };
   root.onclick = ({ target }) => {
     const button = target.closest('button');
     if (!button) return;
-    act[button.dataset.act](Number(button.parentElement.dataset.channel));
+    act[button.dataset.act](button.value);
     button.closest('details')?.removeAttribute('open');
   };
   const step = (controls, channel, value, direction) => {
@@ -112,7 +117,7 @@ export function mountControls({ controls: root, base, summary }, model, change, 
       } else control.value = Number(value.toPrecision(6));
       if (key === 'position') control.ariaValueText = quantity(value, 'divisions', 2);
     }
-    root.dataset.display = display;
+    node.dataset.display = display;
     const names = { run: 'Trigger: run', level: 'Trigger: ', 'single-shot': 'Single: ' };
     write(summary, names[mode] + (mode === 'run' ? '' : `${quantity(level, 'V', 3)} ${rising ? '↗' : '↘'}`));
   };

@@ -29,19 +29,11 @@ export function scales({ x, y, across, up, dx, dy }, { display, channels }) {
   });
 }
 
-/** Limits drawing to the graticule. */
-export function clip(context, { x, y, across, up }) {
-  context.save();
-  context.beginPath();
-  context.rect(x, y, across + 1, up + 1);
-  context.clip();
-}
-
 /** A function that writes texts in one size. */
 export function writer(context, { view, colours }, size) {
-  Object.assign(context, { globalAlpha: 1, font: `${size}px ${colours.font}` });
+  context.font = `${size}px ${colours.font}`;
   return (text, textAlign, x, y, fillStyle = colours.ink) => {
-    Object.assign(context, { textAlign, fillStyle });
+    Object.assign(context, { globalAlpha: 1, textAlign, fillStyle });
     context.fillText(text, x, y, view.width / 2);
   };
 }
@@ -70,10 +62,10 @@ export function drawGrid(context, scene) {
   lines(colours.ink, 0.5, [upright(ACROSS / 2), level(UP / 2),
     ...range(5 * ACROSS, (at) => upright(at / 5, cy - 3, cy + 3)), ...range(5 * UP, (at) => level(at / 5, cx - 3, cx + 3))]);
 
+  const text = writer(context, scene, size);
   scales(view, controls).forEach(({ isX, gain, zero }, channel) => {
     const output = outputs[channel];
     if (!output) return;
-    const text = writer(context, scene, size);
     const colour = isPlane ? colours.ink : colours.traces[channel];
     const volts = controls.channels[channel].volts_per_division;
     const name = `${isPlane ? 'XY'[channel] : channel + 1}  `;
@@ -94,7 +86,6 @@ export function drawGrid(context, scene) {
     }
   });
   if (isPlane) return;
-  const text = writer(context, scene, size);
   const bottom = y + up + 1.25 * size;
   text(`t = ${quantity(trace.left, 's')}`, 'left', x, bottom);
   text(`${quantity(span / ACROSS, 's', 3)}/div`, 'center', cx, bottom);

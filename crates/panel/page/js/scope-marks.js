@@ -3,8 +3,6 @@
 import { fill, within } from './dom.js';
 import { ARROWS } from './zoom.js';
 
-
-
 /**
  * Lets a mark be moved. `move` gets shares of the graticule, from its lower left corner.
  * @param {() => [number, number]} where its present place

@@ -1,7 +1,7 @@
 /** Draws traces against time and X-Y curves with the brightness of a phosphor. */
 
 import { within } from './dom.js';
-import { clip, drawGrid, FULL_SCALE, layout, scales } from './scope-grid.js';
+import { drawGrid, FULL_SCALE, layout, scales } from './scope-grid.js';
 
 /** Levels of brightness. The one above the brightest is for overload. */
 const LEVELS = 8;
@@ -28,10 +28,13 @@ function palette(element) {
   return { grid, ink, bad, traces, glow: 6, font: style.fontFamily, size: parseFloat(style.fontSize) * 0.8 };
 }
 
-/** A beam draws lines with a brightness. Lines of one brightness that follow each other are one path, up to a length. */
+/** A beam draws lines on the graticule with a brightness. Lines of one brightness that follow each other are one path, up to a length. */
 function beamOf(context, { view, colours }, channel, strength, most) {
   let [present, x, y, way] = [-1, NaN, NaN, 0];
-  clip(context, view);
+  context.save();
+  context.beginPath();
+  context.rect(view.x, view.y, view.across + 1, view.up + 1);
+  context.clip();
   context.lineJoin = 'round';
   function paint() {
     if (present < 0) return;

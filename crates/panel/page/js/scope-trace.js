@@ -30,7 +30,7 @@ export class Trace {
     this.reset();
   }
 
-  erase(now) {
+  erase(now = performance.now()) {
     this.erasedAt = now;
     this.reset();
   }

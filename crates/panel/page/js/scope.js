@@ -1,6 +1,6 @@
 /** A storage oscilloscope of the page: screen, controls, cursors, trigger level. */
 
-import { fill, quantity, template, within, write } from './dom.js';
+import { byId, changeDetector, fill, joined, quantity, rateLimiter, root, template, within, write } from './dom.js';
 import { nameOf, reading } from './probes.js';
 import { mountControls, setPosition } from './scope-controls.js';
 import { save } from './scope-export.js';
@@ -8,19 +8,19 @@ import { ACROSS, scales, UP } from './scope-grid.js';
 import { mountMark, placeMark } from './scope-marks.js';
 import { Screen } from './scope-screen.js';
 import { Trace } from './scope-trace.js';
-import { on, selectProbe, send, state } from './state.js';
+import { on, outputOf, selectProbe, send, state, voltsOf } from './state.js';
 
 /** Milliseconds between two text alternatives, and between two readings of the cursors. */
 const [TEXT, READING] = [1000, 100];
 /** Pixels of a wheel for one step. */
 const NOTCH = 60;
 
-/** Chooses scales so that the traces fill the screen. `present` has the voltages now. */
-function autoSet(controls, { outputs, trace }, present, step) {
+/** Chooses scales so that the traces, or the present voltages without traces, fill the screen. */
+function autoSet(controls, { outputs, trace }, step) {
   const isTime = controls.display === 'time';
   controls.channels.forEach((each, channel) => {
     let [low, high] = trace.extent(channel);
-    if (low > high) low = high = present[channel];
+    if (low > high) low = high = voltsOf(outputs[channel]?.name);
     if (!outputs[channel] || !Number.isFinite(low)) return;
     const size = Math.max(Math.abs(low), Math.abs(high), 1e-3);
     // A trace on both sides of 0 V, or nearly constant, keeps 0 V in the middle.
@@ -35,22 +35,22 @@ function autoSet(controls, { outputs, trace }, present, step) {
   if (period) step(controls, -1, (2.5 * period) / ACROSS, 1);
 }
 
-/** Puts a scope into an element. @param {HTMLElement} root @param {number} index 0 or 1 */
-export function mountScope(root, index) {
+/** Puts a scope into its card. @param {number} index 0 or 1 */
+function mountScope(index) {
   const trace = new Trace();
   const model = { controls: null, outputs: [], lit: [false, false], span: 1, trace };
   const cursors = [[0.25, 0.6], [0.75, 0.4]];
-  let [active, wheel, unanswered, textAt, readAt, frameAt] = [0, 0, 0, 0, 0, 0];
-  let [isScheduled, isMoving, hasCursors] = [false, false, false];
-  /** Indices of the channels' outputs, and the outputs that the lists have, as text. */
-  let [places, shown] = [[], ''];
+  const [hasOtherAxes, hasOtherOutputs, hasOtherLamps] = [changeDetector(), changeDetector(), changeDetector()];
+  const [isTextDue, isReadingDue] = [rateLimiter(TEXT), rateLimiter(READING)];
+  let [active, wheel, unanswered, frameAt] = [0, 0, 0, 0];
+  /** Whether a picture is requested, the machine moves, and the lists have the outputs of another patch. */
+  let [isScheduled, isMoving, isOtherPatch] = [false, false, false];
 
   const parts = template('scope');
-  const { node, box, picture, readout } = parts;
+  const { node, box, picture, level, readout, hasCursors } = parts;
   const screen = new Screen(box, model);
   const spots = box.querySelectorAll('.scope-spot');
-  const [first, second, level] = box.querySelectorAll('[role=slider]');
-  const marks = [first, second];
+  const marks = box.querySelectorAll('.scope-cursor');
   marks.forEach((mark, at) => mountMark(mark, screen, (...place) => {
     cursors[at] = place;
     read();
@@ -59,22 +59,18 @@ export function mountScope(root, index) {
     trigger.level = Number(voltsAt(trigger.channel, y).toPrecision(4));
   }), () => [1, levelShare()]);
 
-  const saveAs = (kind) => () => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`);
   const { step, update } = mountControls(parts, model, change, {
     place: (channel) => selectProbe((output) => change(({ channels }) => { channels[channel].output = output; })),
-    cursors: (are) => {
-      hasCursors = are;
-      refresh();
-    },
-    auto: () => change((controls) => autoSet(controls, model, voltages(), step)),
+    cursors: refresh,
+    auto: () => change((controls) => autoSet(controls, model, step)),
     erase: () => {
-      trace.erase(performance.now());
-      send({ command: 'erase', scope: index });
+      trace.erase();
+      send('erase', { scope: index });
       schedule();
     },
-    svg: saveAs('svg'), png: saveAs('png'), csv: saveAs('csv'),
+    save: (kind) => save(kind, model, `${(state.patch?.file ?? 'patch').replace(/^.*[\\/]|\.json$/g, '')}-scope-${index + 1}`),
   });
-  root.append(node);
+  byId(`scope-${index + 1}`).append(node);
 
   /** Changes the controls. */
   async function change(edit) {
@@ -83,19 +79,17 @@ export function mountScope(root, index) {
     edit(controls);
     take(controls);
     unanswered += 1;
-    await send({ command: 'scope', scope: index, controls });
+    await send('scope', { scope: index, controls });
     unanswered -= 1;
     synchronise();
   }
 
   /** Takes over controls. The screen is erased if its traces do not belong to them. */
   function take(controls) {
-    const kind = ({ display, seconds_per_division: seconds, channels }) =>
-      [display, seconds, ...channels.map(({ output }) => output)].join();
-    const before = model.controls;
+    const { display, seconds_per_division: seconds, channels } = controls;
     model.controls = controls;
-    if (!before || kind(controls) !== kind(before)) {
-      if (before) trace.erase(performance.now());
+    if (hasOtherAxes([display, seconds, channels.map(({ output }) => output)])) {
+      trace.erase();
       screen.resize();
     }
     refresh();
@@ -105,21 +99,18 @@ export function mountScope(root, index) {
     const { controls } = model;
     if (!controls) return;
     const { patch } = state;
-    const others = shown !== (shown = outputsText());
-    places = controls.channels.map(({ output }) => patch?.outputs.findIndex(({ name }) => name === output));
-    model.outputs = places.map((place) => patch?.outputs[place]);
+    model.outputs = controls.channels.map(({ output }) => outputOf(output));
     model.title = `${patch?.title || patch?.file || 'patch'}, scope ${index + 1}`;
     model.span = spanOf(controls);
     screen.isStale = true;
-    update(controls, others ? patch : null);
+    update(controls, isOtherPatch && patch);
+    isOtherPatch = false;
     // A screen that is out of sight is not painted, and has a text nevertheless.
-    describe(performance.now());
+    describe();
     schedule();
   }
 
-  const outputsText = () => JSON.stringify([state.patch?.outputs, state.patch?.title]);
   const spanOf = (controls) => ACROSS * controls.seconds_per_division || state.machine?.sweep || 1;
-  const voltages = () => places.map((place) => state.frame?.volts[place] ?? NaN);
 
   function schedule() {
     if (!isScheduled) requestAnimationFrame(paint);
@@ -130,15 +121,16 @@ export function mountScope(root, index) {
     isScheduled = false;
     const { controls } = model;
     if (!controls || screen.view.width < 20) return;
-    if (screen.isStale || (hasCursors && now - readAt > READING)) read(now);
+    if (screen.isStale || (hasCursors.checked && isReadingDue(now))) read();
     screen.draw();
-    const back = Number.isFinite(state.machine?.latest) && { time: state.frame?.time, volts: voltages() };
+    const back = Number.isFinite(state.machine?.latest)
+      && { time: state.frame?.time, volts: model.outputs.map((output) => voltsOf(output?.name)) };
     spots.forEach((spot, channel) => {
       const at = (isMoving || back) && screen.spot(channel, back);
       spot.hidden = !at;
-      if (at) spot.style.translate = at.map((each) => `${each}px`).join(' ');
+      if (at) spot.style.translate = `${at[0]}px ${at[1]}px`;
     });
-    if (now - textAt > TEXT) describe(now);
+    if (isTextDue(now)) describe();
   }
 
   /** The volts at a share of the screen. */
@@ -156,16 +148,12 @@ export function mountScope(root, index) {
   }
 
   /** Writes the readings of the cursors and puts the marks to their places. */
-  function read(now = readAt) {
-    readAt = now;
+  function read() {
     const { controls: { display, trigger }, outputs, span } = model;
     const { view } = screen;
     const isPlane = display === 'plane';
-    level.hidden = isPlane || trigger.mode === 'run';
-    level.dataset.channel = String(trigger.channel + 1);
     placeMark(level, view, [1, levelShare()], levelShare(), quantity(trigger.level, 'V'));
-    for (const each of [readout, ...marks]) each.hidden = !hasCursors;
-    if (!hasCursors) return;
+    if (!hasCursors.checked) return;
     const differences = (name, from, to, text) => [name, text(from), text(to), text(to - from)];
     const rows = outputs.map((output, channel) => {
       const values = cursors.map((place) => (isPlane ? voltsAt(channel, place[channel]) : trace.valueAt(channel, place[0])));
@@ -181,25 +169,22 @@ export function mountScope(root, index) {
     });
     marks.forEach((mark, at) => {
       const [right, top] = cursors[at];
-      mark.classList.toggle('scope-cross', isPlane);
-      mark.style.height = isPlane ? '' : `${view.up}px`;
+      mark.style.height = `${view.up}px`;
       const values = rows.filter(Boolean).map((texts) => `${texts[0]} ${texts[at + 1]}`);
       placeMark(mark, view, [right, isPlane ? top : 1], right, values.join(', '));
     });
   }
 
   /** Writes the text alternative of the screen. */
-  function describe(now) {
-    textAt = now;
+  function describe() {
     const { controls, outputs, lit, span } = model;
-    const volts = voltages();
-    const texts = outputs.map((output, channel) => output && [`${nameOf(output)}: ${reading(volts[channel], output)}`,
-      reading(controls.channels[channel].volts_per_division, output, '/div'), lit[channel] && 'overloaded'].filter(Boolean).join(', '));
+    const texts = outputs.map((output, channel) => output && joined([`${nameOf(output)}: ${reading(voltsOf(output.name), output)}`,
+      reading(controls.channels[channel].volts_per_division, output, '/div'), lit[channel] && 'overloaded']));
     const kind = controls.display === 'plane' ? 'Y against X' : `against time, ${quantity(span / ACROSS, 's', 3)}/div`;
-    picture.ariaLabel = `Scope ${index + 1}, ${kind}. ${texts.filter(Boolean).join('. ') || 'No probe'}`;
+    picture.ariaLabel = `Scope ${index + 1}, ${kind}. ${joined(texts, '. ') || 'No probe'}`;
   }
 
-  fill(node, { onfocusin: ({ target }) => { active = Number(target.parentElement.dataset.channel ?? active); } });
+  fill(node, { onfocusin: ({ target }) => { active = target.parentElement.dataset.channel ?? active; } });
   fill(box, {
     onwheel(event) {
       if (!model.controls || event.ctrlKey) return;
@@ -221,7 +206,7 @@ export function mountScope(root, index) {
     schedule();
   };
   new ResizeObserver(resize).observe(box);
-  new MutationObserver(resize).observe(document.documentElement, { attributes: true });
+  new MutationObserver(resize).observe(root, { attributes: true });
 
   /** Takes over the session's controls. An answer to an earlier change would undo a later one. */
   function synchronise() {
@@ -230,7 +215,10 @@ export function mountScope(root, index) {
   }
 
   // A knob changes the patch sixty times a second. Only other outputs concern the scope.
-  on('patch', () => { if (outputsText() !== shown) refresh(); });
+  on('patch', ({ outputs, title }) => {
+    isOtherPatch ||= hasOtherOutputs([outputs, title]);
+    if (isOtherPatch) refresh();
+  });
   on('machine', () => { if (model.controls && spanOf(model.controls) !== model.span) refresh(); });
   on('scopes', synchronise);
   on('frame', (frame) => {
@@ -239,14 +227,13 @@ export function mountScope(root, index) {
     isMoving = frame.moves && !frame.paused;
     if (isMoving) trace.clock += Math.min(0.1, (now - frameAt) / 1000);
     frameAt = now;
-    places.forEach((place, channel) => {
-      const isLit = Boolean(frame.lamps[place]);
-      if (isLit !== model.lit[channel]) trace.version += 1;
-      model.lit[channel] = isLit;
-    });
+    model.lit = model.outputs.map((output) => frame.lamps[state.numbers.get(output?.name)] === 1);
+    if (hasOtherLamps(model.lit)) trace.version += 1;
     const data = frame.scopes[index];
     if (data.display === model.controls.display) trace.take(data, model.span, model.controls.store, now);
     schedule();
   });
   synchronise();
 }
+
+for (const index of [0, 1]) mountScope(index);

@@ -1,6 +1,7 @@
 /** The patch in a link: compressed in the part of the address that browsers do not send to servers. */
 
-import { byId, partsOf } from './dom.js';
+import { byId, copyText, partsOf } from './dom.js';
+import { takeFromAddress } from './link.js';
 import { ask, state } from './state.js';
 
 /** The largest text of a patch in a link, in bytes. */
@@ -36,7 +37,7 @@ const through = (data, stream) => new Blob([data]).stream().pipeThrough(stream);
 export const deflate = (text) => new Response(through(text, new CompressionStream('deflate-raw'))).bytes();
 
 /** The text of compressed bytes. Rejects if they are wrong or the text is larger than the limit. */
-export const inflate = (bytes, limit) => textOf(through(bytes, new DecompressionStream('deflate-raw')), limit, 'The patch in the link');
+export const inflate = (bytes, limit) => textOf(through(bytes, new DecompressionStream('deflate-raw')), limit, 'The patch');
 
 /** The name of a file without folders. */
 export const baseName = (path) => path.split(/[\\/]/).at(-1);
@@ -46,24 +47,25 @@ export const baseName = (path) => path.split(/[\\/]/).at(-1);
  * @returns {Promise<{name: string, text: string} | null>} null if there is none; rejects with a message
  */
 export async function takeLink() {
-  const fragment = new URLSearchParams(location.hash.slice(1));
-  const coded = fragment.get('p');
-  if (coded === null) return null;
-  history.replaceState(null, '', location.pathname + location.search);
+  const [coded, name = ''] = [takeFromAddress('p'), takeFromAddress('name')];
+  if (coded === undefined) return null;
   try {
     const bytes = Uint8Array.fromBase64(coded, { alphabet: 'base64url' });
-    return { name: baseName(fragment.get('name') ?? '').slice(-80) || 'shared.json', text: await inflate(bytes, LARGEST_IN_LINK) };
+    return { name: baseName(name).slice(-80) || 'shared.json', text: await inflate(bytes, LARGEST_IN_LINK) };
   } catch (fault) {
     throw fault.name === 'Error' ? fault : new Error('The patch in the link cannot be read. Copy the complete link.');
   }
 }
 
-/** Copies the link. Pages without encryption have no clipboard, but they can copy what is selected. */
+const { link, status, server, long, system, again } = partsOf(dialog);
+system.hidden = !navigator.share;
+system.onclick = () => navigator.share({ url: link.value }).catch(() => {});
+again.onclick = copy;
+
+/** Copies the link. */
 async function copy() {
-  const { link, status } = partsOf(dialog);
-  const isCopied = await navigator.clipboard?.writeText(link.value).then(() => true, () => false);
-  if (!isCopied) link.select();
-  status.textContent = isCopied || document.execCommand('copy') ? 'The link is copied.' : 'Select the link and copy it.';
+  link.select();
+  status.textContent = await copyText(link.value) ? 'The link is copied.' : 'Select the link and copy it.';
 }
 
 /** Copies the link of the present patch, and shows it. The address has no token, because only its path is used. */
@@ -72,13 +74,9 @@ export async function share() {
   if (!patch) return;
   const coded = (await deflate(patch.text)).toBase64({ alphabet: 'base64url', omitPadding: true });
   const url = `${location.href.split(/[?#]/)[0]}#p=${coded}&name=${encodeURIComponent(baseName(patch.name))}`;
-  const { link, server, long, system, again } = partsOf(dialog);
   link.value = url;
   server.hidden = state.host?.kind !== 'server' && location.protocol !== 'file:';
   long.hidden = url.length <= LONG_LINK;
-  system.hidden = !navigator.share;
-  system.onclick = () => navigator.share({ url }).catch(() => {});
-  again.onclick = copy;
   dialog.showModal();
   copy();
 }

@@ -5,7 +5,9 @@ import { connect } from './link.js';
 
 /** The latest data of each event. */
 export const state = {
-  hello: null, patch: null, findings: [], machine: null, scopes: [], schematic: null, equations: null, frame: null,
+  hello: null, patch: null, findings: [], machine: null, scopes: [], equations: null, frame: null,
+  /** The numbers of the outputs in frames, by their names. @type {Map<string, number>} */
+  numbers: new Map(),
   /** @type {import('./link.js').Link | null} */
   host: null,
 };
@@ -17,8 +19,9 @@ const LISTS = ['findings', 'scopes'];
 const listeners = new Map();
 
 /**
- * Calls the listener with the data of each event of these names. The page adds `frame`,
- * `link` ({connected, message}), `highlight` (a place), `probing` (whether a probe waits) and `saved`.
+ * Calls the listener with the data of each event of these names. The page adds `frame`, `link` (why there is no
+ * connection, or an empty text), `highlight` (a place), `pointed` (the output or parameter at the pointer), `probing` (the listener that waits for an
+ * output, or null), `data` (a file of measured data) and `saved`.
  * @param {string} names one or several, with blanks between them
  */
 export function on(names, listener) {
@@ -54,11 +57,13 @@ function replaceable(commands) {
 const isAdvance = (/** @type {Job} */ job) => job.commands[0].command === 'advance';
 
 /**
- * Sends commands. Resolves with the events of the answer after the listeners were called; if the link is lost, with
- * no events.
+ * Sends commands in one request. Resolves with the events of the answer after the listeners were called; if the link is
+ * lost, with no events.
+ * @param {{command: string}[]} commands each with its name and its fields
  * @returns {Promise<any[]>}
  */
-export function send(...commands) {
+export function sendAll(commands) {
+  if (!state.host) return Promise.resolve([]);
   const key = replaceable(commands);
   const before = waiting.findLast((job) => !isAdvance(job));
   if (key !== null && before?.key === key) {
@@ -71,6 +76,9 @@ export function send(...commands) {
   return answer;
 }
 
+/** Sends a command with its fields. @returns {Promise<any[]>} as for `sendAll` */
+export const send = (command, fields) => sendAll([{ command, ...fields }]);
+
 /** The event of this name in an answer, if there is one. */
 export const eventOf = (events, name) => events.find(({ event }) => event === name);
 
@@ -78,10 +86,10 @@ export const eventOf = (events, name) => events.find(({ event }) => event === na
 export const refusalOf = (events) => eventOf(events, 'refused')?.message;
 
 /** Sends a command that is answered by an event of the same name. Resolves with this event, if there is one. */
-export const ask = async (command, fields) => eventOf(await send({ command, ...fields }), command);
+export const ask = async (command, fields) => eventOf(await send(command, fields), command);
 
 async function pump() {
-  if (isOpen || waiting.length === 0 || !state.host) return;
+  if (isOpen || waiting.length === 0) return;
   isOpen = true;
   const { commands, resolve } = waiting.shift();
   requests += 1;
@@ -101,8 +109,10 @@ function receive({ text, frame }) {
   const { events } = JSON.parse(text);
   for (const { event, ...data } of events) {
     if (event in state) state[event] = LISTS.includes(event) ? data[event] : data;
+    if (event !== 'patch') continue;
     // Voltages belong to one patch: those of the last one would be shown at the wrong outputs.
-    if (event === 'patch') state.frame = null;
+    state.frame = null;
+    state.numbers = new Map(data.outputs.map(({ name }, number) => [name, number]));
   }
   for (const { event, ...data } of events) emit(event, data);
   if (frame) {
@@ -112,17 +122,23 @@ function receive({ text, frame }) {
   return events;
 }
 
+/** The output with this name in the patch, if there is one. */
+export const outputOf = (name) => state.patch?.outputs[state.numbers.get(name)];
+
+/** The volts of an output in the latest frame, if they are known. */
+export const voltsOf = (name) => state.frame?.volts[state.numbers.get(name)];
+
 /** Connects to the host. Rejects if there is none. */
 export async function open() {
   const host = await connect();
   state.host = host;
-  emit('link', { connected: true, message: '' });
+  emit('link', '');
   host.lost.then((message) => {
     state.host = null;
     for (const job of waiting.splice(0)) job.resolve([]);
-    emit('link', { connected: false, message });
+    emit('link', message);
   });
-  await send({ command: 'hello' });
+  await send('hello');
 }
 
 /** Asks the views to show a place at the panel. */
@@ -133,24 +149,18 @@ let probe = null;
 
 /**
  * Waits for a click on an output in any view. Only one listener waits at a time.
- * @param {(output: string) => void} listener called once, unless the user cancels
+ * @param {((output: string) => void) | null} listener called once; null ends the waiting
  */
 export function selectProbe(listener) {
   probe = listener;
-  emit('probing', true);
+  emit('probing', probe);
 }
 
 /** A view reports a click on an output. */
 export function probed(output) {
   const listener = probe;
-  cancelProbe();
+  selectProbe(null);
   listener?.(output);
-}
-
-export function cancelProbe() {
-  if (!isProbing()) return;
-  probe = null;
-  emit('probing', false);
 }
 
 export const isProbing = () => probe !== null;

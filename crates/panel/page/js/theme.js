@@ -2,13 +2,14 @@
 (() => {
   const root = document.documentElement;
   const dark = matchMedia('(prefers-color-scheme: dark)');
+  const stored = (name) => localStorage.getItem(`patchcord.${name}`);
   const show = () => {
-    const chosen = localStorage.getItem('patchcord.theme') ?? 'system';
+    const chosen = stored('theme') ?? 'system';
     root.dataset.theme = chosen === 'system' ? (dark.matches ? 'dark' : 'light') : chosen;
-    root.toggleAttribute('data-projector', localStorage.getItem('patchcord.projector') === 'true');
-
+    root.toggleAttribute('data-projector', stored('projector') === 'true');
   };
   dark.addEventListener('change', show);
-  root.addEventListener('themeset', show);
+  // main.js sends this event; so does the browser if another page has kept a theme.
+  addEventListener('storage', show);
   show();
 })();

@@ -1,6 +1,6 @@
 /** Zoom and pan of a drawing: buttons, wheel, pointers. */
 
-import { fill, within } from './dom.js';
+import { fill, hasFocus, within } from './dom.js';
 
 /** The largest scale at which a drawing opens, and the largest that the user can choose. */
 const [OPENED, LARGEST] = [2, 5];
@@ -159,7 +159,7 @@ export class Zoom {
       onpointercancel: away,
       onpointerleave: away,
       onwheel: (event) => {
-        if (!event.ctrlKey && !event.metaKey && !picture.contains(document.activeElement)) return;
+        if (!event.ctrlKey && !event.metaKey && !hasFocus(picture)) return;
         event.preventDefault();
         this.by(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.002)), ...this.local(event));
       },

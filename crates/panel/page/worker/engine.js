@@ -1,7 +1,7 @@
 /**
- * The engine in a Worker: a session or a comparison in WebAssembly. A message `{id, text}` is a request, and its answer is
- * `{id, text, frame}` or `{id, failed}`. Before it, there may be partial responses `{id, text, partial: true}`. After a
- * failure, every request fails. A first message `{module}` has the bytes of the module; without it, the module is fetched.
+ * The engine in a Worker: a session or a comparison in WebAssembly. A message `{text}` is a request. Requests are answered
+ * in order by `{text, frame}` or `{failed}`. Before an answer, there may be partial responses `{text, partial: true}`. After
+ * a failure, every request fails. A first message `{module}` has the bytes of the module; without it, the module is fetched.
  */
 
 /** The file of the module, which the address of the Worker names unless a message has the module. */
@@ -10,8 +10,6 @@ const name = new URL(import.meta.url).searchParams.get('module') ?? 'engine.wasm
 /** What a panic of the engine said. */
 let panic = '';
 
-/** The number of the last request that the engine got. */
-let present = null;
 
 /** Why there is no engine; empty while there is one. */
 let failed = '';
@@ -38,7 +36,7 @@ async function load(bytes) {
   }
   /** The engine calls this with a partial response to the present request. */
   function partial(pointer, length) {
-    postMessage({ id: present, text: textAt(instance.exports, pointer, length), partial: true });
+    postMessage({ text: textAt(instance.exports, pointer, length), partial: true });
   }
   return instance.exports;
 }
@@ -62,17 +60,16 @@ function request(exports, text) {
   };
 }
 
-globalThis.onmessage = async ({ data: { id, text, module } }) => {
+globalThis.onmessage = async ({ data: { text, module } }) => {
   engine ??= load(module);
   if (module) return;
   try {
     const exports = await engine;
     if (failed) throw new Error(failed);
-    present = id;
     const answer = request(exports, text);
-    postMessage({ id, ...answer }, answer.frame ? [answer.frame] : []);
+    postMessage(answer, answer.frame ? [answer.frame] : []);
   } catch (error) {
     failed ||= panic ? `The engine stopped because of a fault in patchcord: ${panic}` : String(error.message ?? error);
-    postMessage({ id, failed });
+    postMessage({ failed });
   }
 };
