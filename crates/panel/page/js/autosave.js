@@ -177,9 +177,9 @@ export const forget = (id) => transact((rows) => { rows.delete(id); });
 
 on('patch parameter scopes machine', changed);
 on('link', () => { present = null; });
-document.addEventListener('visibilitychange', keep);
-addEventListener('beforeunload', (event) => {
+document.onvisibilitychange = keep;
+window.onbeforeunload = (event) => {
   if (isKept() || !isChanged()) return;
   keep();
   event.preventDefault();
-});
+};

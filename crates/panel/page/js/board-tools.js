@@ -27,7 +27,7 @@ export function mountTools(board) {
     const [one, other] = [named(words[0] ?? ''), named(words[1] ?? '')];
     const [{ from }, { into }] = one.from && other.into && !one.exact ? [one, other] : [other, one];
     if (words.length !== 2 || !from || !into) {
-      say('Type an output and an input, such as B1 P1.in. The names are at the jacks.');
+      say(line.dataset.help);
       return;
     }
     const { element, jack } = into;
@@ -91,9 +91,9 @@ export function mountTools(board) {
   }
   async function clear() {
     if (!refusalOf(await send('clear-cords')))
-      toast('All cords are removed, and the elements stay. Undo brings the cords back.', 'note');
+      toast(root.dataset.cleared, 'note');
   }
-  const run = { add: () => open(), lock: () => setLock(!board.isLocked()), clear };
+  const run = { add: open, lock: () => setLock(!board.isLocked()), clear };
   line.onsubmit = enter;
   field.oninput = field.onfocus = complete;
   field.onkeydown = ({ key }) => { if (key === 'Escape') board.back(); };
@@ -120,10 +120,11 @@ export function mountTools(board) {
     board.render();
   });
 
+  // Keys also work in other views.
   const visit = (action) => () => {
     if (!root.offsetParent) byId('tab-board').click();
     if (!board.isLocked()) action();
   };
-  bind('A', 'Add an element to the patch panel', visit(() => open()));
+  bind('A', 'Add an element to the patch panel', visit(open));
   bind('/', 'Type a cord, such as B1 P1.in', visit(() => field.focus()));
 }

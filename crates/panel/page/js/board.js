@@ -2,7 +2,7 @@
 
 import { mountTools } from './board-tools.js';
 import { drawCords, keysOf } from './cords.js';
-import { byId, fixed, float, hasFocus, joined, partsOf, quantity, rateLimiter, shape, stored, svg } from './dom.js';
+import { byId, fill, fixed, float, hasFocus, joined, partsOf, quantity, rateLimiter, shape, stored, svg } from './dom.js';
 import { draw, faceplate } from './faceplate.js';
 import { lookOf } from './lamps.js';
 import { toast } from './messages.js';
@@ -75,8 +75,8 @@ function hover(one, seen = one ?? (hasFocus(canvas) ? current : null)) {
   const marks = (one ?? seen?.node.matches(':focus-visible')) && seen;
   if (seen === tipped && marks === marked) return;
   marked = marks;
-  const own = board.plugs.filter(({ jack, fixed }) => (jack ?? fixed) === marks).map(({ node }) => node);
-  for (const node of cordLayer.children) node.classList.toggle('is-active', node === seen?.node || own.includes(node));
+  const active = [seen, ...board.plugs.filter(({ jack, fixed }) => (jack ?? fixed) === marks)].map((each) => each?.node);
+  for (const node of cordLayer.children) node.classList.toggle('is-active', active.includes(node));
   showTip(seen, !one);
 }
 /** The panel has two stops of the Tab key: one of the jacks and modules, and one of the cords. */
@@ -191,11 +191,13 @@ on('highlight', (place) => {
 });
 new ResizeObserver(render).observe(stage);
 new IntersectionObserver(([{ isIntersecting }]) => { isShown = isIntersecting; }).observe(stage);
-canvas.addEventListener('focusin', ({ target }) => {
-  if (target.dataset.key !== current?.key) focus(target.dataset.key);
-  else hover(null);
+fill(canvas, {
+  onfocusin({ target }) {
+    if (target.dataset.key !== current?.key) focus(target.dataset.key);
+    else hover(null);
+  },
 });
-root.addEventListener('focusout', ({ relatedTarget }) => { if (!stage.contains(relatedTarget)) hover(null, null); });
+fill(root, { onfocusout: ({ relatedTarget }) => { if (!stage.contains(relatedTarget)) hover(null, null); } });
 tipButton.onclick = () => {
   const one = tipped;
   one.node.focus();

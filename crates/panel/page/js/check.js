@@ -41,7 +41,7 @@ async function check() {
   if (!found) return;
   rows.replaceChildren(...found.rows.sort((one, other) => isWrong(other) - isWrong(one)).map(rowNode));
   const wrong = found.rows.filter(isWrong).length;
-  const words = found.compared ? 'all values agree with the equations' : 'the patch states no equations to compare with';
+  const words = found.compared ? root.dataset.equal : root.dataset.alone;
   status.textContent = `${seed ? `Test values ${seed}` : 'At the start'}: ${wrong ? `${wrong} of ${found.rows.length} values are wrong` : words}.`;
 }
 

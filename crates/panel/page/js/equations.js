@@ -132,8 +132,8 @@ function equation(text) {
 const { message, body, plain, latex, solved, more, unplaced, stated } = partsOf(root);
 
 async function copy(text) {
-  if (await copyText(text)) toast('The equations are copied.', 'note');
-  else toast('The browser does not permit copying.');
+  if (await copyText(text)) toast(plain.dataset.done, 'note');
+  else toast(plain.dataset.fault);
 }
 
 plain.onclick = () => copy(state.equations.equations.map(({ text }) => text).join('\n'));

@@ -101,7 +101,7 @@ async function openBelow(path, piece) {
   const folder = new URL('.', document.baseURI);
   const url = new URL(path, folder);
   if (!url.href.startsWith(folder.href)) {
-    throw new Error('The page opens patches in its own folder only. Save the file and drop it here.');
+    throw new Error(byId('open').dataset.outside);
   }
   return openText(baseName(decodeURIComponent(url.pathname)), await textAt(path, url), piece);
 }
@@ -175,8 +175,8 @@ const actions = {
 };
 for (const [id, run] of Object.entries(actions)) byId(id).onclick = run;
 on('patch saved', showTitle);
-addEventListener('hashchange', () => {
+window.onhashchange = () => {
   // A token in the address is kept.
   tokenQuery();
   attempt(openLink);
-});
+};

@@ -1,8 +1,5 @@
 // Frames as crates/panel/src/frame.rs documents them.
 
-/** The modes of the machine in the order of their numbers. */
-const MODES = ['pot-set', 'problem-check', 'initial-condition', 'operate', 'hold', 'repetitive', 'single'];
-
 /**
  * The present trace against time. A channel in use has minimum and maximum of each column in turn, NaN if it is empty.
  * @typedef {{display: 'time', generation: number, left: number, columnSeconds: number, reached: number,
@@ -13,13 +10,13 @@ const MODES = ['pot-set', 'problem-check', 'initial-condition', 'operate', 'hold
  * @typedef {{display: 'plane', generation: number, first: number, points: Float32Array}} PlanePicture
  */
 /**
- * @typedef {{revision: number, time: number, factor: number, mode: string, moves: boolean, paused: boolean,
+ * @typedef {{revision: number, time: number, factor: number, moves: boolean, paused: boolean,
  *   overload: boolean, stopped: boolean, firstLamp: number|null, repetitions: number, meter: number|null,
  *   nullMeter: number|null, volts: Float32Array, lamps: Uint8Array, scopes: (TimePicture|PlanePicture)[]}} Frame
  */
 
 /**
- * The content of a frame. Arrays of numbers are views of the buffer. They need a machine that is little-endian, as all
+ * The content of a frame, except for the mode, which the events have too. Arrays of numbers are views of the buffer. They need a machine that is little-endian, as all
  * are that run browsers.
  * @param {ArrayBuffer} buffer
  * @returns {Frame}
@@ -45,7 +42,7 @@ export function decode(buffer) {
   const word = u32();
   const lamp = word >>> 16;
   ['moves', 'paused', 'overload', 'stopped'].forEach((name, bit) => { frame[name] = ((word >> (8 + bit)) & 1) > 0; });
-  Object.assign(frame, { mode: MODES[word & 255], firstLamp: lamp ? lamp - 1 : null, repetitions: u32(), meter: volts(), nullMeter: volts() });
+  Object.assign(frame, { firstLamp: lamp ? lamp - 1 : null, repetitions: u32(), meter: volts(), nullMeter: volts() });
   const outputs = u32();
   frame.volts = floats(outputs);
   frame.lamps = new Uint8Array(buffer, at, outputs);

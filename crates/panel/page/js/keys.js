@@ -57,4 +57,4 @@ byId('keys').onclick = () => {
 // Speech input can set off single letters by accident, so that they can be switched off.
 letters.checked = !areLettersOff();
 letters.onchange = () => stored('letters-off', !letters.checked);
-document.addEventListener('keydown', pressed);
+document.onkeydown = pressed;

@@ -104,7 +104,7 @@ function dialOn({ control, lines, law, unlock, turns }, { key, place, title, abo
     lines.dataset.formula = is ? isLocked ? 'locked' : 'unlocked' : 'none';
     knob.lock(isLocked);
   };
-  unlock.ariaLabel = `Unlock ${title}. Turning it then replaces the formula`;
+  unlock.ariaLabel = `Unlock ${title}`;
   unlock.onclick = () => {
     unlocked.add(key);
     knob.note('');

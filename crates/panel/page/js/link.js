@@ -9,7 +9,7 @@
  *   `lost` stays open.
  */
 
-import { stored } from './dom.js';
+import { byId, stored } from './dom.js';
 import { addressOf, isInside, read } from './resources.js';
 
 /** Takes a value out of the fragment of the address. Returns undefined if it has none of this name. */
@@ -74,17 +74,16 @@ function connectServer(path) {
   });
   let text = '';
   socket.onmessage = ({ data }) => {
-    const { frame, partial } = typeof data === 'string' ? JSON.parse(data) : {};
-    if (typeof data !== 'string') answer(text, data);
-    else if (partial) link.onpartial(data);
+    if (typeof data !== 'string') return answer(text, data);
+    const { frame, partial } = JSON.parse(data);
+    if (partial) link.onpartial(data);
     else if (frame) text = data;
     else answer(data);
   };
   return new Promise((resolve, reject) => {
     socket.onopen = () => resolve(link);
     socket.onclose = ({ reason }) => {
-      const message = reason
-        || 'The connection to patchcord is closed. Check that the command still runs, and use the address that it printed.';
+      const message = reason || byId('link').dataset.closed;
       close(message);
       reject(new Error(message));
     };
@@ -107,7 +106,7 @@ async function connectWorker(module) {
     else if (data.partial) link.onpartial(data.text);
     else answer(data.text, data.frame);
   };
-  worker.onerror = (event) => fail(event.message || 'The engine could not be loaded. Load the page again.');
+  worker.onerror = (event) => fail(event.message || byId('link').dataset.engine);
   if (inside) worker.postMessage({ module: await (await read(module)).arrayBuffer() });
   return link;
 }

@@ -4,7 +4,7 @@
  * sent, so that the latest values win.
  */
 
-import { byId, parse, place, quantity, template, write } from './dom.js';
+import { byId, changeDetector, parse, place, quantity, template, write } from './dom.js';
 import { download } from './files.js';
 import { connectComparison } from './link.js';
 import { showCurves, view } from './measured-plot.js';
@@ -29,7 +29,7 @@ let [columns, knobs] = [[], []];
 let isCompared = false;
 /** The values of all parameters. */
 let values = {};
-/** What was on the panel when it was last looked at. */
+/** Detectors of changes on the panel, by the names of requests. */
 const seen = {};
 
 /** The experiment of an example, as long as its patch is on the panel. */
@@ -202,11 +202,8 @@ function start(name) {
 }
 
 /** Whether something on the panel differs from the last time, apart from values that parameters give. */
-function differs([name, ...what]) {
-  const [before, now] = [seen[name], JSON.stringify(what, (key, each) => (['value', 'per_volt'].includes(key) ? null : each))];
-  seen[name] = now;
-  return before !== now;
-}
+const differs = ([name, ...what]) => (seen[name] ??= changeDetector())(
+  JSON.stringify(what, (key, each) => (['value', 'per_volt'].includes(key) ? null : each)));
 
 /** Sends what follows from a change of the patch. The first request that is necessary includes the others. */
 function follow({ file, signals, elements, time_scale: scale } = state.patch) {

@@ -44,7 +44,7 @@ async function findCorrections() {
   correct.ariaBusy = false;
   showFindings();
   if (answer.length === 0) return;
-  if (hints() === before) toast('No single change corrects the equations.', 'note');
+  if (hints() === before) toast(correct.dataset.none, 'note');
   correct.hidden = true;
   findings.focus();
 }

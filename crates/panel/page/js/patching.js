@@ -17,18 +17,18 @@ const LONG = 600;
 const endOf = ({ type, element, jack, output }) => (type === 'out' ? { output } : { element, jack });
 const isJack = ({ type }) => type === 'in' || type === 'out';
 /** The output whose voltage is at a place, if it is only one. */
-const outputAt = (one) => one?.output ?? one?.cord?.from ?? (one?.view?.cords.length === 1 && one.view.cords[0]);
+const outputAt = ({ output, cord, view }) => output ?? cord?.from ?? (view?.cords.length === 1 && view.cords[0]);
 
 /** @param {any} board what board.js has */
 export function mountPatching(board) {
-  const { say, stop, parts: { canvas, over } } = board;
+  const { say, stop, parts: { canvas, over, lock } } = board;
   let press = null;
   /** The cord in the hand: the jack of its other end, the type of jack that it needs, and which cord it was. */
   let hand = null;
   let draft = null;
 
   function isLocked() {
-    if (board.isLocked()) say('The panel is locked. Press Lock to unlock it.');
+    if (board.isLocked()) say(lock.dataset.locked);
     return board.isLocked();
   }
   /** The plug or jack at the pointer. Plugs come first, because they are on top of their jacks. */
@@ -96,7 +96,7 @@ export function mountPatching(board) {
   }
   /** Offers the probes for the output at a place, or places the one that waits. Returns whether there is an output. */
   function offer(one, event) {
-    const output = outputAt(one);
+    const output = outputAt(one ?? {});
     if (!output) return false;
     release();
     // The menu gets the end of the press.
@@ -143,7 +143,7 @@ export function mountPatching(board) {
     const own = board.plugs.filter(({ jack, cord }) => jack === one && cord);
     if (!isJack(one)) board.remove(one);
     else if (own.length === 1 || (own.length && one.type === 'in')) board.remove(stop(keysOf(own.at(-1).cord).cord));
-    else say(own.length ? 'There are several cords. Press Tab and choose one of the cords.' : 'There is no cord in this jack.');
+    else say(own.length ? canvas.dataset.several : canvas.dataset.none);
   }
   /** Returns whether the panel uses the key. */
   function key(name, one) {

@@ -42,8 +42,7 @@ class Recorder {
   }
 
   fillText(text, x, y) {
-    const anchor = { left: 'start', center: 'middle', right: 'end' }[this.textAlign];
-    this.add('text', { x, y, fill: this.fillStyle, 'text-anchor': anchor, 'font-size': parseFloat(this.font) }, text);
+    this.add('text', { x, y, fill: this.fillStyle, 'text-anchor': this.textAlign.replace('center', 'middle'), 'font-size': parseFloat(this.font) }, text);
   }
 }
 
@@ -56,7 +55,7 @@ function drawAxes(context, scene) {
   scales(scene.view, controls).forEach(({ isX, gain, zero }, channel) => {
     const output = outputs[channel];
     const isTime = controls.display === 'time';
-    const [side, align] = isTime && channel ? [x + across + 0.5 * size, 'left'] : [x - 0.9 * size, 'right'];
+    const [side, align] = isTime && channel ? [x + across + 0.5 * size, 'start'] : [x - 0.9 * size, 'end'];
     for (let at = isX ? 1 : 0; output && at <= (isX ? ACROSS : UP); at += 2) {
       const place = isX ? x + at * dx : y + at * dy;
       const value = quantity(((place - zero) / gain) * output.per_volt, '1', 3);
@@ -93,12 +92,11 @@ function table({ trace, outputs }) {
   const channels = [0, 1].filter((channel) => outputs[channel]);
   const round = (number, digits) => Number(number.toPrecision(digits));
   const value = (volts, channel) => (Number.isNaN(volts) ? '' : round(volts * outputs[channel].per_volt, 8));
-  const heads = channels.flatMap((channel) => {
+  const heads = [['t', 's'], ...channels.flatMap((channel) => {
     const { signal, name, unit } = outputs[channel];
     return (plane ? [''] : ['_min', '_max']).map((end) => [(signal ?? name).replace(/[,#\s]+/g, '_') + end, unit]);
-  });
-  const names = ['t', ...heads.map(([name]) => name)];
-  const lines = [...[['t', 's'], ...heads].map(([name, unit]) => `# ${name}: ${unit}`), [...plane ? ['curve'] : [], ...names]];
+  })];
+  const lines = [...heads.map(([name, unit]) => `# ${name}: ${unit}`), [...plane ? ['curve'] : [], ...heads.map(([name]) => name)]];
   let [curve, time] = [0, 0];
   for (let at = 0; at < (plane ? trace.count : trace.reached || trace.total); at += 1) {
     if (plane) {

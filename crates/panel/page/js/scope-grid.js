@@ -73,8 +73,8 @@ export function drawGrid(context, scene) {
     const isLong = context.measureText?.(long).width > 0.44 * width;
     const edge = isPlane ? Math.min(x, size) : x;
     text(isLong ? `${name}${output.signal ?? output.name}  ${quantity(volts, 'V', 3)}/div` : long,
-      channel ? 'right' : 'left', channel ? width - edge : edge, y - 0.55 * size, colour);
-    if (!isPlane && zero > y && zero < y + up) text('►', 'right', x, zero + 0.35 * size, colour);
+      channel ? 'end' : 'start', channel ? width - edge : edge, y - 0.55 * size, colour);
+    if (!isPlane && zero > y && zero < y + up) text('►', 'end', x, zero + 0.35 * size, colour);
     for (const limit of [FULL_SCALE, -FULL_SCALE]) {
       const [start, end] = isX ? [x, x + across] : [y, y + up];
       const edge = zero + gain * limit;
@@ -87,7 +87,7 @@ export function drawGrid(context, scene) {
   });
   if (isPlane) return;
   const bottom = y + up + 1.25 * size;
-  text(`t = ${quantity(trace.left, 's')}`, 'left', x, bottom);
+  text(`t = ${quantity(trace.left, 's')}`, 'start', x, bottom);
   text(`${quantity(span / ACROSS, 's', 3)}/div`, 'center', cx, bottom);
-  text(quantity(trace.left + span, 's'), 'right', x + across, bottom);
+  text(quantity(trace.left + span, 's'), 'end', x + across, bottom);
 }

@@ -3,6 +3,8 @@
 import { within } from './dom.js';
 import { drawGrid, FULL_SCALE, layout, scales } from './scope-grid.js';
 
+const { abs, hypot, max, round } = Math;
+
 /** Levels of brightness. The one above the brightest is for overload. */
 const LEVELS = 8;
 /** Brightness of finished traces. */
@@ -57,7 +59,7 @@ function beamOf(context, { view, colours }, channel, strength, most) {
       if (x1 !== x || y1 !== y) context.moveTo(x1, y1);
       context.lineTo(x2, y2);
       [x, y] = [x2, y2];
-      way += Math.hypot(x2 - x1, y2 - y1);
+      way += hypot(x2 - x1, y2 - y1);
     },
     end() {
       paint();
@@ -79,20 +81,20 @@ function drawColumns(context, scene, columns, channel, from, to, strength) {
   for (let at = from; at < to; at += 1) {
     const [low, high] = [columns[2 * at], columns[2 * at + 1]];
     let [start, end] = [zero + gain * low, zero + gain * high];
-    if (Math.abs(start - y) > Math.abs(end - y)) [start, end] = [end, start];
-    const length = Math.hypot(width, end - start);
+    if (abs(start - y) > abs(end - y)) [start, end] = [end, start];
+    const length = hypot(width, end - start);
     const [before, left] = [y, x];
     [x, y] = [left + width, end];
     if (length !== length) continue;
     const level = LEVELS - 1 - 0.8 * Math.log2(length / width);
     // Brightness follows slowly, so that a smooth trace is not a chain of pieces.
-    if (Math.abs(level - bright) > 0.9) bright = Math.max(0, Math.round(level));
+    if (abs(level - bright) > 0.9) bright = max(0, round(level));
     const shade = model.lit[channel] && (high >= FULL_SCALE || low <= -FULL_SCALE) ? LEVELS : bright;
     const turns = rise * (end - start) < 0;
     rise = end - start;
     // The second channel is dashed along its way, where it is smooth.
     if (channel === 0 || turns || length > DASH || way % PERIOD < DASH) {
-      if (Math.abs(start - before) < 1) start = before;
+      if (abs(start - before) < 1) start = before;
       else if (before === before) beam.line(left, before, left, start, shade);
       beam.line(left, start, x, end, shade);
     }
@@ -112,17 +114,23 @@ class Pen {
     Object.assign(this, { x: NaN, y: NaN, seconds: 0, time: 0, way: 0, level: 0, exposure: 0 });
   }
 
+  /** Draws the present curve. */
+  begin(context, scene) {
+    this.reset();
+    this.draw(context, scene, scene.model.trace.finished, scene.model.trace.count, 1);
+  }
+
   /** Follows points. Those closer than a pixel are one. */
   follow({ view, model: { trace: { points }, controls } }, from, to, visit) {
     const [across, up] = scales(view, controls);
     for (let at = 3 * from; at < 3 * to; at += 3) {
       const [volts, other, seconds] = [points[at], points[at + 1], points[at + 2]];
       const [x, y] = [across.zero + across.gain * volts, up.zero + up.gain * other];
-      this.seconds = Math.max(0, this.seconds + seconds);
+      this.seconds = max(0, this.seconds + seconds);
       if (seconds < 0 || this.x !== this.x) [this.x, this.y, this.seconds] = [x, y, 0];
-      const length = Math.hypot(x - this.x, y - this.y);
+      const length = hypot(x - this.x, y - this.y);
       if (length < 0.8) continue;
-      visit(length, x, y, Math.max(Math.abs(volts), Math.abs(other)));
+      visit(length, x, y, max(abs(volts), abs(other)));
       [this.x, this.y, this.seconds] = [x, y, 0];
     }
   }
@@ -137,7 +145,7 @@ class Pen {
     let ahead = this.way;
     this.follow(scene, from, to, (length) => { ahead += length; });
     Object.assign(this, { x, y, seconds });
-    const exposure = Math.max(LEAST_EXPOSURE, 1 / (1 + (5 * ahead) / (view.across * view.up)));
+    const exposure = max(LEAST_EXPOSURE, 1 / (1 + (5 * ahead) / (view.across * view.up)));
     if (exposure < 0.7 * this.exposure) {
       // A curve that fades keeps what has faded.
       if (!persistence) return true;
@@ -152,7 +160,7 @@ class Pen {
       // The usual pace has medium brightness.
       const level = 4.5 + 1.5 * Math.log2((this.seconds * this.way) / (length * this.time) || 1);
       // Steps that are visible would have a border where neighbouring lines reach them.
-      if (Math.abs(level - this.level) > 0.2) this.level = Math.round(4 * within(0, level, LEVELS - 1)) / 4;
+      if (abs(level - this.level) > 0.2) this.level = round(4 * within(0, level, LEVELS - 1)) / 4;
       beam.line(this.x, this.y, x, y, (lit[0] || lit[1]) && volts >= FULL_SCALE ? LEVELS : this.level);
     });
     beam.end();
@@ -193,8 +201,7 @@ export function drawTraces(old, live, scene, pen = new Pen()) {
   const { trace } = scene.model;
   if (trace.plane) {
     pen.draw(old, scene, 0, trace.finished, DIM);
-    pen.reset();
-    pen.draw(live, scene, trace.finished, trace.count, 1);
+    pen.begin(live, scene);
   } else {
     for (const entry of trace.stored) drawStored(old, scene, entry);
     scene.beams = drawLive(live, scene);
@@ -222,8 +229,8 @@ export class Screen {
     this.colours = palette(this.box);
     this.view = layout(clientWidth, clientHeight, 1.9 * this.colours.size, model.controls?.display === 'plane');
     for (const context of layers) {
-      context.canvas.width = Math.round(clientWidth * devicePixelRatio);
-      context.canvas.height = Math.round(clientHeight * devicePixelRatio);
+      context.canvas.width = round(clientWidth * devicePixelRatio);
+      context.canvas.height = round(clientHeight * devicePixelRatio);
       context.scale(devicePixelRatio, devicePixelRatio);
     }
     this.isStale = true;
@@ -271,10 +278,9 @@ export class Screen {
       pen.reset();
       from = 0;
     } else pen.seconds -= trace.replaced;
-    if (!pen.draw(live, this, trace.finished + Math.max(0, from), trace.count, 1)) return;
+    if (!pen.draw(live, this, trace.finished + max(0, from), trace.count, 1)) return;
     this.clear(live);
-    pen.reset();
-    pen.draw(live, this, trace.finished, trace.count, 1);
+    pen.begin(live, this);
   }
 
   /** Fades finished traces, and curves behind the spot. */
@@ -301,7 +307,7 @@ export class Screen {
     const { view, pen, beams, model: { trace, controls, span } } = this;
     const place = back && scales(view, controls).map(({ gain, zero }, index) => zero + gain * back.volts[index]);
     const ends = trace.plane ? [place || [pen.x, pen.y], []] : beams;
-    const [x, y] = place && !trace.plane ? [view.x + (view.across * (back.time - trace.left)) / span, place[channel]] : ends[channel];
+    const [x, y] = place && !trace.plane ? [view.x + view.across * (back.time - trace.left) / span, place[channel]] : ends[channel];
     return x >= view.x && x - view.x <= view.across && y >= view.y && y - view.y <= view.up ? [x, y] : null;
   }
 }

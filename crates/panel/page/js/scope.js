@@ -123,7 +123,7 @@ function mountScope(index) {
     if (!controls || screen.view.width < 20) return;
     if (screen.isStale || (hasCursors.checked && isReadingDue(now))) read();
     screen.draw();
-    const back = Number.isFinite(state.machine?.latest)
+    const back = state.machine?.latest
       && { time: state.frame?.time, volts: model.outputs.map((output) => voltsOf(output?.name)) };
     spots.forEach((spot, channel) => {
       const at = (isMoving || back) && screen.spot(channel, back);

@@ -53,7 +53,7 @@ export async function takeLink() {
     const bytes = Uint8Array.fromBase64(coded, { alphabet: 'base64url' });
     return { name: baseName(name).slice(-80) || 'shared.json', text: await inflate(bytes, LARGEST_IN_LINK) };
   } catch (fault) {
-    throw fault.name === 'Error' ? fault : new Error('The patch in the link cannot be read. Copy the complete link.');
+    throw fault.name === 'Error' ? fault : new Error(dialog.dataset.wrong);
   }
 }
 

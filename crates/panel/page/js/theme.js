@@ -8,8 +8,8 @@
     root.dataset.theme = chosen === 'system' ? (dark.matches ? 'dark' : 'light') : chosen;
     root.toggleAttribute('data-projector', stored('projector') === 'true');
   };
-  dark.addEventListener('change', show);
+  dark.onchange = show;
   // main.js sends this event; so does the browser if another page has kept a theme.
-  addEventListener('storage', show);
+  window.onstorage = show;
   show();
 })();

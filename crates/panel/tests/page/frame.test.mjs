@@ -13,7 +13,6 @@ test('a frame has everything', () => {
     revision: 7,
     time: 3,
     factor: 0.5,
-    mode: 'operate',
     moves: true,
     paused: false,
     overload: true,
