@@ -64,8 +64,8 @@ test('everything follows the slider back and forward, and the later part of the 
   const w = Math.sqrt(40);
   /** Checks voltages, meter and scope at the time that the slider shows. */
   async function follows() {
-    const { time, volts, meter, mode } = await isAt(page, Number(await scrub.inputValue()));
-    assert.equal(mode, 'hold');
+    const { time, volts, meter } = await isAt(page, Number(await scrub.inputValue()));
+    assert.equal((await stateOf(page)).machine.mode, 'hold');
     assert.ok(Math.abs(volts.B1 - 80 * Math.cos(w * time)) < 1e-3, `${volts.B1} V at ${time} s`);
     assert.equal(Math.fround(meter), volts.B1);
     await spots.first().waitFor();
