@@ -53,13 +53,13 @@ impl Cells {
     }
 
     /// Returns the distances of a position from the upper left corner, in cells.
-    pub(super) fn from_corner(&self, at: (f64, f64)) -> (f64, f64) {
+    pub(super) fn within_area(&self, at: (f64, f64)) -> (f64, f64) {
         ((at.0 - self.corner.0) / self.width, (at.1 - self.corner.1) / self.width)
     }
 
     /// Returns the index of the cell at a position. A position outside is in the nearest cell.
     pub(super) fn at(&self, position: (f64, f64)) -> usize {
-        let (across, down) = self.from_corner(position);
+        let (across, down) = self.within_area(position);
         (across as usize).min(self.columns - 1) * self.rows + (down as usize).min(self.rows - 1)
     }
 

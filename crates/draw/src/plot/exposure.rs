@@ -55,7 +55,7 @@ impl Exposure {
             return;
         }
         let share = if whole > 0.0 { distance(begin, end) / whole } else { 1.0 };
-        let (begin, end) = (self.cells.from_corner(begin), self.cells.from_corner(end));
+        let (begin, end) = (self.cells.within_area(begin), self.cells.within_area(end));
         let (left, right) = if begin.0 <= end.0 { (begin, end) } else { (end, begin) };
         self.add_within(left, right, share * seconds);
     }
