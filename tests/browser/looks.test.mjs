@@ -95,6 +95,21 @@ for (const [name, options, key] of [['a mouse', {}, ''], ['fingers', { touch: tr
   });
 }
 
+test('the menus of scopes open within the page', async (t) => {
+  const page = await openPanel(t, { touch: true });
+  for (const width of WIDTHS) {
+    await page.setViewportSize({ width, height: 900 });
+    for (const menu of await page.locator('.scope .popover').all()) {
+      await menu.evaluate((node) => { node.open = true; });
+      const [button, box] = await Promise.all(['summary', ':scope > div'].map((part) => menu.locator(part).boundingBox()));
+      assert.ok(box.x >= 0 && box.x + box.width <= width, `at ${width} px from ${box.x} to ${box.x + box.width}`);
+      const gap = button.y - box.y - box.height;
+      assert.ok(gap >= 0 && gap < 10, `at ${width} px it is ${gap} px above its button`);
+      await menu.evaluate((node) => { node.open = false; });
+    }
+  }
+});
+
 test('a projector enlarges the type of both drawings, and they fit again without it', async (t) => {
   const page = await openPanel(t, { patch: FIG_8_16, width: 1920, height: 1080 });
   for (const [view, drawing] of [['Schematic', '.schematic'], ['Patch panel', '.board-canvas']]) {
