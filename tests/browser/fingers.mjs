@@ -58,3 +58,8 @@ export function jackDistance(page) {
 
 /** Touches a point of the page. */
 export const touch = (page, [x, y]) => page.touchscreen.tap(x, y);
+
+/** Waits until the page has two frames, so that all that follows from a new size has been drawn. */
+export const painted = (page) => page.evaluate(() => new Promise((resolve) => {
+  requestAnimationFrame(() => requestAnimationFrame(resolve));
+}));

@@ -5,13 +5,15 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import { inputJack, middleOf, showBoard } from './board.mjs';
-import { FINGER, jackDistance, smallInDialog, smallTargets, touch } from './fingers.mjs';
+import { FINGER, jackDistance, painted, smallInDialog, smallTargets, touch } from './fingers.mjs';
 import { cutTexts, misplaced, pageWidth, typeSize } from './layout.mjs';
 import { exportOf, FIG_8_16, openPanel, scopeOf, select, stateOf, sweepOnce, tab, type, until, VAN_DER_POL } from './panel.mjs';
 
 const VIEWS = ['Schematic', 'Patch panel', 'Equations', 'Measured data'];
 /** Widths at both ends of every layout, and usual ones. */
 const WIDTHS = [360, 412, 700, 768, 999, 1000, 1024, 1100, 1280, 1399, 1400, 1680, 1699, 1700, 1920];
+/** The faceplates, and the classes of their pictures. */
+const PLATES = { 'solartron-1451': 'solartron', plain: 'plain', 'the-analog-thing': 'thing' };
 /** How much larger the type of drawings is in projector mode, at least. Type of the page grows from 15 to 20 pixels. */
 const LARGER = 1.05;
 
@@ -114,7 +116,9 @@ test('a projector enlarges the type of both drawings, and they fit again without
   const page = await openPanel(t, { patch: FIG_8_16, width: 1920, height: 1080 });
   for (const [view, drawing] of [['Schematic', '.schematic'], ['Patch panel', '.board-canvas']]) {
     await showView(page, view);
-    const before = await until(`texts of the ${view}`, () => typeSize(page, drawing));
+    await until(`texts of the ${view}`, () => typeSize(page, drawing));
+    await painted(page);
+    const before = await typeSize(page, drawing);
     await page.getByRole('button', { name: 'Large type for a projector' }).click();
     await until('larger type', async () => await typeSize(page, drawing) > LARGER * before);
     await page.getByRole('button', { name: 'Large type for a projector' }).click();
@@ -163,11 +167,14 @@ for (const [width, height] of [[360, 740], [1280, 900], [1400, 900], [1920, 1080
     const held = page.locator('#board .jack.is-held');
     const jack = inputJack(page, 'B4.x1');
     assert.ok(await jackDistance(page) < FINGER, 'the whole panel is too small for fingers');
-    for (const plate of await page.getByLabel('Faceplate').getByRole('option').all()) {
-      await page.getByLabel('Faceplate').selectOption(await plate.getAttribute('value'));
+    for (const [plate, look] of Object.entries(PLATES)) {
+      await page.getByLabel('Faceplate').selectOption(plate);
+      await page.locator(`.board-canvas .faceplate.${look}`).waitFor();
+      await painted(page);
       await page.getByRole('group', { name: 'Zoom' }).getByRole('button', { name: 'Fit' }).click();
-      await until('the whole panel', async () => await jackDistance(page) < FINGER);
+      assert.ok(await jackDistance(page) < FINGER, plate);
       await jack.scrollIntoViewIfNeeded();
+      await painted(page);
       await touch(page, await middleOf(jack));
       await until('larger jacks', async () => await jackDistance(page) >= FINGER);
       assert.equal(await held.count(), 0, 'no jack is taken');
