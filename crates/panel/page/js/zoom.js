@@ -63,7 +63,8 @@ export class Zoom {
   constructor(view, pictures, margin, least, moved = () => {}) {
     Object.assign(this, { pictures, margin, moved, least });
     new ResizeObserver(() => this.resize()).observe(pictures[0]);
-    root.addEventListener('themeset', () => this.resize());
+    // The type of the page can have another size now.
+    addEventListener('storage', () => this.resize());
     fill(view, {
       onclick: ({ target: { dataset: { zoom } } }) => {
         if (zoom) Number(zoom) ? this.by(zoom) : this.fit(0);
