@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import { inputJack, looseCords, middleOf, outputJack, showBoard } from './board.mjs';
+import { FINGER, jackDistance } from './fingers.mjs';
 import { openPanel, stateOf, until } from './panel.mjs';
 
 const menu = (page) => page.getByRole('dialog').filter({ has: page.getByRole('button', { name: 'Voltmeter' }) });
@@ -60,7 +61,10 @@ test('a long touch opens the menu of probes, a short one begins a cord', async (
   await touch('touchEnd');
   await choose(page, 'v at A1', 'Voltmeter');
   await meterIs(page, 'A1');
+  // The first touch enlarges the panel, so that a finger can choose between its jacks.
   await page.touchscreen.tap(...place);
+  await until('large jacks', async () => await jackDistance(page) >= FINGER);
+  await page.touchscreen.tap(...await middleOf(outputJack(page, 'A1')));
   await page.locator('#board .is-draft').waitFor();
   assert.ok(await menu(page).isHidden());
 });

@@ -11,6 +11,7 @@ import { promisify } from 'node:util';
 import {
   boardStatus, clickJacks, cordIs, cordLine, cordNode, drag, hasCord, inputJack, looseCords, middleOf, outputJack, pull, showBoard,
 } from './board.mjs';
+import { smallTargets } from './fingers.mjs';
 import { PATCHCORD, ROOT } from './hosts.mjs';
 import {
   command, downloadOf, exportOf, FIG_8_16, gallery, kept, knobOf, MASS_AND_SPRING, modeButton, openFile, openPanel, parameterIs, parameterOf, ready,
@@ -20,9 +21,6 @@ import {
 const LORENZ = 'patches/lessons/lorenz.json';
 
 const titleOf = async (patch) => JSON.parse(await readFile(join(ROOT, patch), 'utf8')).title;
-
-/** Size in pixels that a finger needs. */
-const FINGER = 44;
 
 test('wish 1: cords by drag from either end, by two clicks, by the keyboard; a dropped cord stays', async (t) => {
   const page = await openPanel(t, { height: 1400 });
@@ -284,12 +282,7 @@ test('wish 9: time base, trigger, two cursors, X-Y with persistence, CSV with a 
 test('wish 10: targets of 44 px for fingers, a lock, pinch', async (t) => {
   const page = await openPanel(t, { width: 412, height: 915, touch: true });
   await showBoard(page);
-  const small = await page.evaluate((least) => [...document.querySelectorAll('button, select, input, summary, [role=slider], [role=tab]')]
-    .filter((node) => node.checkVisibility?.() && node.getClientRects().length && !node.closest('svg'))
-    .map((node) => ({ node, box: (node.matches('input') ? node.closest('label') ?? node : node).getBoundingClientRect() }))
-    .filter(({ box }) => box.width > 0 && (box.height < least - 0.5 || box.width < least - 0.5))
-    .map(({ node, box }) => `${node.tagName} ${node.id} ${node.getAttribute('aria-label') ?? node.textContent.slice(0, 20)} ${box.width.toFixed(0)}x${box.height.toFixed(0)}`), FINGER);
-  assert.deepEqual(small, []);
+  assert.deepEqual(await smallTargets(page), []);
   await page.getByRole('button', { name: 'Lock', exact: true }).click();
   await cordNode(page, 'B1', 'P1.in').focus();
   await page.keyboard.press('Delete');

@@ -11,8 +11,9 @@ use serde_json::Value;
 
 /// The outputs of the machine itself.
 const REFERENCES: [&str; 3] = ["+100", "-100", "ground"];
-/// Least distance of two jacks of a module, so that their rings and labels do not overlap.
-const LEAST_DISTANCE: f64 = 22.0;
+/// Least distance of two jacks of a module: `PITCH` of page/js/faceplate.js. For fingers, the page enlarges it to
+/// 44 px.
+const LEAST_DISTANCE: f64 = 28.0;
 
 /// A file of the folder.
 #[derive(Debug, Deserialize)]

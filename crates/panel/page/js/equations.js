@@ -4,6 +4,7 @@ import { button, byId, changeDetector, copyText, el, fill, named, partsOf, quant
 import { toast } from './messages.js';
 import { choose } from './probes.js';
 import { ask, emit, highlight, on, state } from './state.js';
+import { nodeAt } from './zoom.js';
 
 const root = byId('equations');
 /** The Greek letters by their names, from index.html. */
@@ -169,7 +170,8 @@ on('equations findings patch', () => {
 });
 const point = ({ target }) => emit('pointed', { ...target.closest('.eq-name')?.dataset });
 const leave = () => emit('pointed', {});
-fill(body, { onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
+const touch = (event) => { if (!event.target.closest('button')) nodeAt(event, body.querySelectorAll('.eq-name'))?.click(); };
+fill(body, { onclick: touch, onpointerover: point, onfocusin: point, onpointerleave: leave, onfocusout: leave });
 on('pointed', ({ output, parameter }) => {
   for (const node of body.querySelectorAll('.eq-name')) {
     node.classList.toggle('lit', output ? node.dataset.output === output : parameter && node.dataset.parameter === parameter);

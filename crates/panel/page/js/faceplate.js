@@ -3,7 +3,9 @@
 import { joined, keyed, named, quantity, shape, svg } from './dom.js';
 import { read } from './resources.js';
 
-const [PITCH, ROW, PAD, GAP, MARGIN, HEAD] = [28, 46, 9, 14, 24, 44];
+/** The least distance of jacks. */
+export const PITCH = 28;
+const [ROW, PAD, GAP, MARGIN, HEAD] = [46, 9, 14, 24, 44];
 /** Sections become wider by at most this factor, so that a row fills the panel. */
 const STRETCH = 1.3;
 
@@ -49,7 +51,7 @@ function connect(module, { jacks: own = {}, out: [left, top] }) {
   let [x, y] = [20, top];
   for (const jack of module.jacks) {
     while (jack.x === undefined) {
-      if (!module.jacks.some((other) => other.y === y && Math.abs(other.x - x) < 20)) [jack.x, jack.y] = [x, y];
+      if (!module.jacks.some((other) => other.y === y && Math.abs(other.x - x) < PITCH)) [jack.x, jack.y] = [x, y];
       x += PITCH;
       if (x > left - PITCH) [x, y] = [20, y + ROW];
     }

@@ -2,6 +2,7 @@
 
 import { cordClass, keysOf, lay } from './cords.js';
 import { fill, hasModifier, shape } from './dom.js';
+import { PITCH } from './faceplate.js';
 import { bind } from './keys.js';
 import { choose as offerProbes } from './probes.js';
 import { highlight, isProbing, send } from './state.js';
@@ -9,6 +10,8 @@ import { ahead, ARROWS, cheapest } from './zoom.js';
 
 /** Distance in pixels within which a jack or plug is taken, by the type of the pointer. */
 const REACH = { mouse: 13, pen: 18, touch: 24 };
+/** The scale from which on a finger can choose between jacks, which are then at least 44 px apart. */
+const TOUCHABLE = 44 / PITCH;
 /** Pixels by which a pointer moves before it drags. */
 const STILL = 5;
 /** Milliseconds after which a finger that does not move opens the menu of probes. */
@@ -117,7 +120,12 @@ export function mountPatching(board) {
       begin(isFull ? board.plugs.find((plug) => plug.jack === jack && plug.moves) ?? jack : hit, !isFull);
     }
   }
-  function click({ hit, key, knob }) {
+  function click({ hit, key, knob, isSmall }, event) {
+    if (isSmall) {
+      board.zoom.by(1.05 * TOUCHABLE / board.zoom.scale, ...board.zoom.local(event));
+      if (!hand) say('Now touch the jack.');
+      return;
+    }
     if (hit) {
       board.focus(hit.key ?? hit.jack.key);
       choose(hit);
@@ -175,7 +183,9 @@ export function mountPatching(board) {
       }
       const { pointerId, clientX, clientY, target } = event;
       canvas.setPointerCapture(pointerId);
-      const own = { at: [clientX, clientY], hit: nearest(event), key: keyAt(event), knob: target.closest('[data-knob]')?.dataset.knob };
+      const hit = nearest(event);
+      const isSmall = hit && event.pointerType === 'touch' && board.zoom.scale < TOUCHABLE;
+      const own = { at: [clientX, clientY], hit, isSmall, key: keyAt(event), knob: target.closest('[data-knob]')?.dataset.knob };
       press = own;
       if (event.pointerType === 'touch')
         setTimeout(() => { if (press === own && !own.isMoved && !hand && offer(own.hit, event)) press = null; }, LONG);
@@ -189,7 +199,7 @@ export function mountPatching(board) {
       if (board.zoom.pointers.size > 1) return;
       if (press && !press.isMoved && Math.hypot(clientX - press.at[0], clientY - press.at[1]) >= STILL) {
         press.isMoved = true;
-        press.isDragging = press.hit !== null && !isLocked();
+        press.isDragging = press.hit !== null && !press.isSmall && !isLocked();
         if (press.isDragging) begin(press.hit, event.shiftKey || event.ctrlKey);
       }
       if (hand && (!press || press.isDragging)) {
@@ -210,7 +220,7 @@ export function mountPatching(board) {
         board.focus((goal ?? hand.fixed).key);
         if (goal) plugInto(goal);
         else drop(board.zoom.units(event));
-      } else if (done && !done.isMoved) click(done);
+      } else if (done && !done.isMoved) click(done, event);
     },
     onpointercancel() {
       if (press?.isDragging) release();

@@ -1,11 +1,11 @@
 /** The schematic: symbols and wires with live voltages, probes and findings. */
 
-import { byId, fill, fixed, hasFocus, hasModifier, joined, named, partsOf, rateLimiter, shape, svg, within, write } from './dom.js';
+import { byId, fill, fixed, hasFocus, hasModifier, joined, named, partsOf, rateLimiter, shape, svg, write } from './dom.js';
 import { lookOf } from './lamps.js';
 import { placeName } from './messages.js';
 import { choose, outputName, probes, reading } from './probes.js';
 import { emit, highlight, on, outputOf, state, voltsOf } from './state.js';
-import { ahead, ARROWS, cheapest, Zoom } from './zoom.js';
+import { ahead, ARROWS, nodeAt, Zoom } from './zoom.js';
 
 /** Milliseconds between changes of the voltages; digits that change faster cannot be read. */
 const SHOWN = 67;
@@ -13,8 +13,6 @@ const SHOWN = 67;
 const LEVELS = 4;
 /** The least scale at which texts can be read. */
 const READABLE = 0.62;
-/** Pixels from a finger to the output that it means. */
-const FINGER = 22;
 /** Space below the drawing for the buttons. */
 const TOOLS = 40;
 /** Milliseconds for which a place is ringed. */
@@ -127,11 +125,6 @@ const rove = (name) => {
 const openKnob = (element, setting = named(state.patch?.elements, element)?.settings[0]?.name) => {
   if (setting) highlight({ element, setting });
 };
-/** The output next to a finger, which is not as precise as a pointer. */
-const near = ({ pointerType, clientX, clientY }) => cheapest(outputs.children, (node) => {
-  const { left, right, top, bottom } = node.getBoundingClientRect();
-  return Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
-}, pointerType === 'touch' ? FINGER : 0);
 const go = (name) => cells.get(name)?.nodes.output.focus({ preventScroll: true });
 
 zoom.listen();
@@ -150,7 +143,7 @@ fill(picture, {
     point(name);
   },
   onclick(event) {
-    const node = event.target.closest('.net, .output') ?? near(event);
+    const node = event.target.closest('.net, .output') ?? nodeAt(event, outputs.children);
     if (node && zoom.isStill) choose(node.dataset.output, node, event);
   },
   ondblclick({ target }) {

@@ -34,7 +34,8 @@ export function writer(context, { view, colours }, size) {
   context.font = `${size}px ${colours.font}`;
   return (text, textAlign, x, y, fillStyle = colours.ink) => {
     Object.assign(context, { globalAlpha: 1, textAlign, fillStyle });
-    context.fillText(text, x, y, view.width / 2);
+    // Two texts fit into a line.
+    context.fillText(text, x, y, (Math.max(view.across, view.width - 4 * size) - size) / 2);
   };
 }
 

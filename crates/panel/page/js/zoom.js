@@ -1,6 +1,6 @@
 /** Zoom and pan of a drawing: buttons, wheel, pointers. */
 
-import { fill, hasFocus, within } from './dom.js';
+import { fill, hasFocus, root, within } from './dom.js';
 
 /** The largest scale at which a drawing opens, and the largest that the user can choose. */
 const [OPENED, LARGEST] = [2, 5];
@@ -8,6 +8,10 @@ const [OPENED, LARGEST] = [2, 5];
 const SLACK = 5;
 /** Pixels from the edge within which a place is not in sight. */
 const EDGE = 40;
+/** Pixels from a finger to what it means. */
+const FINGER = 22;
+/** The size of type in pixels at which the least scale of a drawing applies. Larger type makes drawings larger. */
+const TYPE = 15;
 
 /** Steps to the right and downwards of the arrow keys. */
 export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -30,6 +34,12 @@ export function ahead(from, all, [dx, dy]) {
   }) ?? from;
 }
 
+/** The node that is nearest to a finger, or null. Other pointers are precise. */
+export const nodeAt = ({ pointerType, clientX, clientY }, nodes) => cheapest(nodes, (node) => {
+  const { left, right, top, bottom } = node.getBoundingClientRect();
+  return Math.hypot(clientX - within(left, clientX, right), clientY - within(top, clientY, bottom));
+}, pointerType === 'touch' ? FINGER : 0);
+
 export class Zoom {
   /** The corner and the scale of the part in sight, its size in pixels, and the size of the drawing. */
   x = 0;
@@ -48,12 +58,14 @@ export class Zoom {
   /**
    * @param {SVGSVGElement[]} pictures they show the same part
    * @param {number} margin space around the drawing
-   * @param {number} least the scale at which texts can be read; a larger drawing is cut when it opens
+   * @param {number} least the scale at which texts can be read in type of normal size; a larger drawing is cut when it opens
    */
-  constructor(root, pictures, margin, least, moved = () => {}) {
+  constructor(view, pictures, margin, least, moved = () => {}) {
     Object.assign(this, { pictures, margin, moved, least });
     new ResizeObserver(() => this.resize()).observe(pictures[0]);
-    fill(root, {
+    // The type of the page can have another size now.
+    addEventListener('storage', () => this.resize());
+    fill(view, {
       onclick: ({ target: { dataset: { zoom } } }) => {
         if (zoom) Number(zoom) ? this.by(zoom) : this.fit(0);
       },
@@ -79,7 +91,8 @@ export class Zoom {
   fit(least = this.least) {
     this.least = least;
     this.isFitted = true;
-    if (this.width) this.to(-this.margin, -this.margin, Math.max(this.whole, least), true);
+    const type = parseFloat(getComputedStyle(root).fontSize);
+    if (this.width) this.to(-this.margin, -this.margin, Math.max(this.whole, least * type / TYPE), true);
   }
 
   /** The picture has another size, or the drawing has. */
