@@ -109,7 +109,6 @@ pub const PAGES: &[Page] = pages![
     "js/scope-controls.js",
     "js/scope-export.js",
     "js/scope-grid.js",
-    "js/scope-marks.js",
     "js/scope-screen.js",
     "js/scope-trace.js",
     "js/scope.js",

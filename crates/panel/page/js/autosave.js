@@ -92,7 +92,7 @@ async function write() {
   } catch (fault) {
     console.warn(fault);
     database = null;
-    if (!hasFailed) toast('This browser does not keep the patch. Save it as a file before you close the page.');
+    if (!hasFailed) toast('This browser does not keep patches. Save this one as a file.');
     hasFailed = true;
   }
 }
@@ -127,7 +127,7 @@ export function markSaved() {
  * have either patch.
  * @returns {Promise<boolean>} whether the session has done it
  */
-export async function replace(command, fields, { id = random(), path = null, edited = false, isSaved = true, isEarlier = false } = {}) {
+export async function replace(command, fields, { id = random(), path = null, edited, isSaved = true, isEarlier } = {}) {
   const before = present;
   present = null;
   if (!eventOf(await send(command, fields), 'patch')) {

@@ -168,11 +168,8 @@ export function draw(plate, patch, kinds) {
         jack.view.label !== 'in' && element && jack.view.label)),
       own.map((out) => drawJack(out, out.output, own.length > 1 && out.output.slice(element.name.length + 1))));
   }
-  function drawFrame({ x, y, w, h, title, class: kind }) {
-    const frame = shape('section', { class: `section ${kind}`, x, y, width: w, height: h });
-    frame.lastElementChild.textContent = title;
-    return frame;
-  }
+  const drawFrame = ({ x, y, w, h, title, class: kind }) =>
+    shape('section', { class: `section ${kind}`, x, y, width: w, height: h }, text('section-title', 25, 17, title));
   const panel = shape('panel', { width, height });
   panel.querySelector('.make').textContent = plate.title;
   panel.querySelector('.small-print').textContent = plate.note;

@@ -123,7 +123,7 @@ export function mountPatching(board) {
   function click({ hit, key, knob, isSmall }, event) {
     if (isSmall) {
       board.zoom.by(1.05 * TOUCHABLE / board.zoom.scale, ...board.zoom.local(event));
-      if (!hand) say('Now touch the jack.');
+      say('Now touch the jack.');
       return;
     }
     if (hit) {

@@ -1,7 +1,11 @@
-/** The controls around the screen of a scope. Each has the path of what it sets: "trigger.level". */
+/**
+ * The controls around the screen of a scope, and the marks on it: cursors and the trigger level. A control has the path of what
+ * it sets: "trigger.level".
+ */
 
-import { decadeOf, el, quantity, write } from './dom.js';
+import { decadeOf, el, fill, quantity, within, write } from './dom.js';
 import { fillOutputs } from './probes.js';
+import { ARROWS } from './zoom.js';
 
 const [LEAST_VOLTS, MOST_VOLTS] = [0.01, 50];
 /** The steps of a decade: at 25 volts per division, the machine unit is at the edge of the screen. */
@@ -122,4 +126,41 @@ export function mountControls({ node, controls: root, base, summary }, model, ch
     write(summary, names[mode] + (mode === 'run' ? '' : `${quantity(level, 'V', 3)} ${rising ? '↗' : '↘'}`));
   };
   return { step, update };
+}
+
+/**
+ * Lets a mark be moved. `move` gets shares of the graticule, from its lower left corner.
+ * @param {() => [number, number]} where its present place
+ */
+export function mountMark(mark, screen, move, where) {
+  const to = (...shares) => move(...shares.map((share) => within(0, share, 1)));
+  fill(mark, {
+    onpointerdown(event) {
+      event.preventDefault();
+      mark.setPointerCapture(event.pointerId);
+      mark.focus();
+    },
+    onpointermove({ pointerId, clientX, clientY }) {
+      if (!mark.hasPointerCapture(pointerId)) return;
+      const { x, y, across, up } = screen.view;
+      const { left, top } = screen.box.getBoundingClientRect();
+      to((clientX - left - x) / across, 1 - (clientY - top - y) / up);
+    },
+    onkeydown(event) {
+      const step = event.shiftKey ? 0.05 : 0.002;
+      const way = ARROWS[event.key];
+      if (!way) return;
+      event.preventDefault();
+      const [x, y] = where();
+      to(x + way[0] * step, y - way[1] * step);
+    },
+  });
+}
+
+/** Puts a mark to its place. `text` is its value for a screen reader. */
+export function placeMark(mark, { x, y, across, up }, [right, top], share, text) {
+  mark.style.left = `${x + right * across}px`;
+  mark.style.top = `${y + (1 - top) * up}px`;
+  mark.ariaValueNow = (100 * share).toFixed(1);
+  mark.ariaValueText = text;
 }

@@ -21,7 +21,6 @@ class Recorder {
     return this.groups[0].appendChild(svg(tag, attributes, text));
   }
 
-  clearRect() {}
   save() {}
   beginPath() { this.path = ''; }
   moveTo(...at) { this.path += `M${at.map((each) => each.toFixed(1))}`; }

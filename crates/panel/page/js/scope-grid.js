@@ -58,7 +58,6 @@ export function drawGrid(context, scene) {
   const upright = (at, from = y, to = y + up) => [x + at * dx + 0.5, from, x + at * dx + 0.5, to];
   const level = (at, from = x, to = x + across) => [from, y + at * dy + 0.5, to, y + at * dy + 0.5];
   const [cx, cy] = [x + across / 2 + 0.5, y + up / 2 + 0.5];
-  context.clearRect(0, 0, width, view.height);
   lines(colours.grid, 1, [...range(ACROSS, (at) => upright(at)), ...range(UP, (at) => level(at))]);
   lines(colours.ink, 0.5, [upright(ACROSS / 2), level(UP / 2),
     ...range(5 * ACROSS, (at) => upright(at / 5, cy - 3, cy + 3)), ...range(5 * UP, (at) => level(at / 5, cx - 3, cx + 3))]);

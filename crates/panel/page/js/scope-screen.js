@@ -245,7 +245,10 @@ export class Screen {
     const { layers: [grid, old, live], pen, drawn, model: { trace } } = this;
     const { left, version, changes, begun, stored, plane } = trace;
     const newest = stored.at(-1);
-    if (this.isStale || drawn.left !== left) drawGrid(grid, this);
+    if (this.isStale || drawn.left !== left) {
+      this.clear(grid);
+      drawGrid(grid, this);
+    }
     if (this.isStale || drawn.version !== version) {
       this.clear(old);
       this.clear(live);

@@ -2,10 +2,9 @@
 
 import { byId, changeDetector, fill, joined, quantity, rateLimiter, root, template, within, write } from './dom.js';
 import { nameOf, reading } from './probes.js';
-import { mountControls, setPosition } from './scope-controls.js';
+import { mountControls, mountMark, placeMark, setPosition } from './scope-controls.js';
 import { save } from './scope-export.js';
 import { ACROSS, scales, UP } from './scope-grid.js';
-import { mountMark, placeMark } from './scope-marks.js';
 import { Screen } from './scope-screen.js';
 import { Trace } from './scope-trace.js';
 import { on, outputOf, selectProbe, send, state, voltsOf } from './state.js';
@@ -185,21 +184,19 @@ function mountScope(index) {
   }
 
   fill(node, { onfocusin: ({ target }) => { active = target.parentElement.dataset.channel ?? active; } });
-  fill(box, {
-    onwheel(event) {
-      if (!model.controls || event.ctrlKey) return;
-      event.preventDefault();
-      wheel += (event.deltaY || event.deltaX) * (event.deltaMode ? NOTCH : 1);
-      if (Math.abs(wheel) < NOTCH) return;
-      const direction = Math.sign(wheel);
-      wheel = 0;
-      const isTime = model.controls.display === 'time';
-      change((controls) => {
-        if (isTime && !event.shiftKey) step(controls, -1, model.span / ACROSS, direction);
-        for (const channel of event.shiftKey ? [active] : isTime ? [] : [0, 1]) step(controls, channel, null, direction);
-      });
-    },
-  });
+  box.onwheel = (event) => {
+    if (!model.controls || event.ctrlKey) return;
+    event.preventDefault();
+    wheel += (event.deltaY || event.deltaX) * (event.deltaMode ? NOTCH : 1);
+    if (Math.abs(wheel) < NOTCH) return;
+    const direction = Math.sign(wheel);
+    wheel = 0;
+    const isTime = model.controls.display === 'time';
+    change((controls) => {
+      if (isTime && !event.shiftKey) step(controls, -1, model.span / ACROSS, direction);
+      for (const channel of event.shiftKey ? [active] : isTime ? [] : [0, 1]) step(controls, channel, null, direction);
+    });
+  };
 
   const resize = () => {
     screen.resize();
