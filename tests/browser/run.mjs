@@ -1,6 +1,6 @@
 /**
  * Runs the browser tests: `node run.mjs [server] [folder] [-- FILE.test.mjs...]`. Without a form, the server is tested, and
- * the static folder if it is there.
+ * the static folder if it is there. If both are tested, tests that depend on the page only run with the first.
  */
 
 import { spawnSync } from 'node:child_process';
@@ -15,6 +15,9 @@ const NEEDS = {
   server: [PATCHCORD, 'Build it with: cargo build'],
   folder: [join(SITE, 'index.html'), 'Build it with: crates/web/build-site'],
 };
+
+/** Tests of layout, colours and accessibility, for which both forms have the same page. */
+const ONCE = ['colours.test.mjs', 'looks.test.mjs'];
 
 function fail(message) {
   console.error(message);
@@ -41,9 +44,10 @@ for (const form of new Set(['server', ...forms])) {
 }
 const files = end < words.length ? words.slice(end + 1) : readdirSync(HERE).filter((name) => name.endsWith('.test.mjs')).sort();
 let isGood = true;
-for (const form of forms) {
+for (const [index, form] of forms.entries()) {
+  const tests = index > 0 && end === words.length ? files.filter((name) => !ONCE.includes(name)) : files;
   console.log(`Browser tests of the panel, form "${form}"`);
-  const { status } = spawnSync(process.execPath, ['--test', '--test-concurrency=1', '--test-reporter=spec', ...files],
+  const { status } = spawnSync(process.execPath, ['--test', '--test-concurrency=1', '--test-reporter=spec', ...tests],
     { cwd: HERE, stdio: 'inherit', env: { ...process.env, PANEL_FORM: form } });
   isGood &&= status === 0;
 }
