@@ -2,6 +2,7 @@
 //!
 //! They are far above what the page and the shipped patches need. Whatever exceeds them is refused with a message.
 
+pub use patchcord_core::document::MAX_VALUES;
 use patchcord_core::document::{format_distinct, format_number, format_outside};
 use patchcord_core::patch::{Amount, Patch};
 use patchcord_core::solve::{RunError, RunSettings};

@@ -7,6 +7,9 @@ use std::path::Path;
 use patchcord_compare::{command::Command as CompareCommand, limits as compare_limits};
 use patchcord_panel::{command::Command as PanelCommand, limits as panel_limits};
 
+/// The end of the row about the values in a request.
+const VALUES: &str = "count | 500,000 |";
+
 /// The text of a file of the repository.
 fn text(path: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)).unwrap()
@@ -101,10 +104,14 @@ fn the_page_has_the_limits_of_a_panel() {
         format!("| findings in an event | {MAX_FINDINGS} |"),
         format!("equal steps times elements, {} |", megabytes(MAX_TABLE_BYTES)),
         format!("| the past that delays store | {}; ", megabytes(MAX_DELAY_BYTES)),
+        VALUES.to_owned(),
         "| cords into elements | 20,000 |".to_owned(),
         "| points of all tables and curves | 1,000,000 |".to_owned(),
     ];
-    assert_eq!((panel_limits::MAX_CORDS, panel_limits::MAX_POINTS), (20_000, 1_000_000));
+    assert_eq!(
+        (panel_limits::MAX_VALUES, panel_limits::MAX_CORDS, panel_limits::MAX_POINTS),
+        (500_000, 20_000, 1_000_000)
+    );
     assert_limits("Limits", &rows);
 }
 
@@ -119,6 +126,7 @@ fn the_page_has_the_limits_of_a_comparison() {
         format!("| the text of a patch | {} |", megabytes(MAX_PATCH_BYTES)),
         format!("macros are expanded | {MAX_ELEMENTS} |"),
         format!("| findings in a message | {MAX_FINDINGS} |"),
+        VALUES.to_owned(),
         "| cells of the data file | 1,000,000 |".to_owned(),
     ];
     assert_eq!(compare_limits::MAX_CELLS, 1_000_000);

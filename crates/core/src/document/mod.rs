@@ -56,7 +56,7 @@ pub use phase::{ParameterChange, Phase, SwitchCondition};
 pub use printable::{escape_controls, printable};
 pub(crate) use quantity::possible_product;
 pub use report::{DiagnosticDocument, Report};
-pub use request::{Request, RequestCommand, read_request};
+pub use request::{MAX_VALUES, Request, RequestCommand, read_request};
 pub use typed_number::{TypedNumber, TypedNumberError};
 pub use values::{equation, formula, parse_unit, range};
 pub(crate) use values::{equation_with_tables, formula_in};

@@ -6,9 +6,9 @@ use serde_json::{Map, Value};
 
 use super::named_variant::read_variant;
 
-/// Largest number of commas outside of texts in a request. A value takes up to 100 bytes of memory, also where its text has
-/// two bytes, and texts take as much as in the request.
-const MAX_COMMAS: usize = 500_000;
+/// Largest number of values in a request, counted by the commas outside of its texts. A value takes up to 100 bytes of memory,
+/// also where its text has two bytes, and texts take as much as in the request.
+pub const MAX_VALUES: usize = 500_000;
 
 /// A command of a client.
 pub trait RequestCommand: DeserializeOwned {
@@ -79,8 +79,8 @@ pub fn read_request<C: RequestCommand>(
     if text.len() > max_bytes {
         return Err(format!("the request has more than {} MB", max_bytes / 1_000_000));
     }
-    if commas(text) > MAX_COMMAS {
-        return Err(format!("the request has more than {MAX_COMMAS} values"));
+    if commas(text) > MAX_VALUES {
+        return Err(format!("the request has more than {MAX_VALUES} values"));
     }
     let request: Request<C> =
         serde_json::from_str(text).map_err(|error| format!("the request cannot be read: {error}"))?;
@@ -128,11 +128,11 @@ mod tests {
 
     #[test]
     fn values_are_limited_and_commas_in_texts_are_not() {
-        let commas = ",".repeat(2 * MAX_COMMAS);
+        let commas = ",".repeat(2 * MAX_VALUES);
         let request = read(&format!(r#""\"{commas}\\""#)).unwrap();
         let Command::Note { text } = &request.commands[0];
         assert_eq!(*text, format!("\"{commas}\\"));
-        let numbers = vec!["0"; MAX_COMMAS + 2].join(",");
+        let numbers = vec!["0"; MAX_VALUES + 2].join(",");
         assert_eq!(read(&format!("[{numbers}]")).unwrap_err(), "the request has more than 500000 values");
     }
 }

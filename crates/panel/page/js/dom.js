@@ -36,7 +36,7 @@ export function changeDetector() {
   return (value) => last !== (last = JSON.stringify(value));
 }
 
-/** Makes a function that returns whether so many milliseconds have passed since it returned true. */
+/** Makes a function that returns whether this number of milliseconds has passed since it returned true. */
 export function rateLimiter(period) {
   let due = 0;
   return (now = performance.now()) => {
@@ -147,7 +147,7 @@ export function format(number, digits = 4) {
 /** A text of a number with a true minus sign. */
 export const minus = (text) => text.replace(/^-/, '−');
 
-/** A number with so many decimals. Zero has no sign. */
+/** A number with this number of decimals. Zero has no sign. */
 export const fixed = (value, decimals) => minus((Number(value.toFixed(decimals)) || 0).toFixed(decimals));
 
 /** A number for reading, with its unit: "−1.5 m", "1.2·10⁻⁷ kg", "20 µs". The unit "1" is left out. */

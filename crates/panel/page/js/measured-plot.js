@@ -19,7 +19,7 @@ const [LEFT, GAP, ABOVE, BELOW] = [64, 8, 30, 44];
 /** @type {(Record<string, any> & {output?: Curves})[]} */
 let figures = [];
 
-/** About so many round values between two values. */
+/** Round values between two values, about `count` of them. */
 function ticks(low, high, count) {
   const step = roundUp((high - low) / count);
   const first = Math.ceil(low / step - 0.001);
